@@ -1,0 +1,1 @@
+//! Reference renderers on `spectral-core`, with scenes, images and reports: what the `spectral` command is made of.

@@ -1,0 +1,1 @@
+//! Oracles and statistics shared by the tests; nothing in the workspace depends on this crate.
