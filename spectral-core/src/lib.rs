@@ -1,15 +1,25 @@
 //! Interval spectra with certified colour error, colour and light metrics, for anything from a game engine to a
 //! microcontroller: `no_std`, no heap, no panic, `libm` only.
 #![no_std]
-#![warn(clippy::pedantic)]
-#![allow(clippy::many_single_char_names, clippy::similar_names, reason = "the papers' own symbols")]
 
 #[cfg(feature = "std")]
 extern crate std;
 
+pub mod adaptive;
+pub mod bound;
 pub mod colour;
+pub mod expression;
+mod integrate;
+pub mod interval;
+mod observer;
 mod real;
 pub mod spectrum;
+pub mod subdivision;
 pub mod tables;
+pub mod threshold_table;
 
+pub use integrate::tristimulus;
+pub use observer::{Observer, ObserverError};
 pub use real::Real;
+pub use spectrum::Spectrum;
+pub use tables::Samples;

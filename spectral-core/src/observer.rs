@@ -1,0 +1,126 @@
+//! Colour-matching functions.
+
+use crate::{Real, Samples};
+
+/// The colour-matching functions x̄, ȳ, z̄ of an observer, linear between equidistant nodes and 0 outside them.
+#[derive(Clone, Copy, Debug)]
+pub struct Observer<'a, R> {
+    first: R,
+    step: R,
+    columns: [&'a [R]; 3],
+    count: usize,
+}
+
+/// Why colour-matching functions were refused.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum ObserverError {
+    /// The first wavelength is not finite, or the step is not a positive finite number.
+    Grid,
+    /// The three columns differ in length or have fewer than two nodes.
+    Length,
+    /// A node is negative, infinite or NaN.
+    Value {
+        /// Which of x̄, ȳ, z̄ (0, 1, 2).
+        channel: usize,
+        /// Which node, from 0.
+        index: usize,
+    },
+}
+
+impl core::fmt::Display for ObserverError {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self {
+            Self::Grid => {
+                write!(f, "the wavelength grid of the observer is not increasing and finite")
+            }
+            Self::Length => write!(
+                f,
+                "the columns of the observer differ in length or have fewer than two nodes"
+            ),
+            Self::Value { channel, index } => {
+                write!(
+                    f,
+                    "node {index} of channel {channel} of the observer is negative or not finite"
+                )
+            }
+        }
+    }
+}
+
+impl core::error::Error for ObserverError {}
+
+impl<'a, R: Real> Observer<'a, R> {
+    /// An observer from columns x̄, ȳ, z̄ of equidistant nodes: `first` and `step` in nm.
+    ///
+    /// # Errors
+    /// [`ObserverError`] says which value is not one of a colour-matching function.
+    pub fn new(first: R, step: R, columns: [&'a [R]; 3]) -> Result<Self, ObserverError> {
+        let [x, y, z] = columns;
+        if !first.is_finite() || !step.is_finite() || step <= R::ZERO {
+            return Err(ObserverError::Grid);
+        }
+        if x.len() < 2 || x.len() != y.len() || x.len() != z.len() {
+            return Err(ObserverError::Length);
+        }
+        for (channel, column) in columns.iter().enumerate() {
+            if let Some(index) = column.iter().position(|v| !(v.is_finite() && *v >= R::ZERO)) {
+                return Err(ObserverError::Value { channel, index });
+            }
+        }
+        Ok(Self { first, step, columns, count: x.len() })
+    }
+
+    /// The colour-matching functions at the node `index`; zeros outside the table.
+    #[inline]
+    fn node(&self, index: usize) -> [R; 3] {
+        self.columns.map(|column| column.get(index).copied().unwrap_or(R::ZERO))
+    }
+
+    /// The cell of the table that starts at or holds `wavelength`: where it ends, and the linear functions in it.
+    ///
+    /// The end is above `wavelength` for every finite wavelength.
+    #[inline]
+    pub(crate) fn cell(&self, wavelength: R) -> (R, impl Fn(R) -> [R; 3] + use<R>) {
+        let last = self.first + self.step * R::from_usize(self.count - 1);
+        let inside = wavelength >= self.first && wavelength < last;
+        let (end, start, nodes) = if inside {
+            let mut index = ((wavelength - self.first) / self.step).to_usize();
+            let mut end = self.first + self.step * R::from_usize(index + 1);
+            if end <= wavelength {
+                // The quotient was rounded down across the node.
+                index += 1;
+                end = self.first + self.step * R::from_usize(index + 1);
+            }
+            (end, end - self.step, [self.node(index), self.node(index + 1)])
+        } else {
+            let end = if wavelength < self.first { self.first } else { R::INFINITY };
+            (end, self.first, [[R::ZERO; 3]; 2])
+        };
+        let step = self.step;
+        let at = move |position: R| {
+            let [first, second] = nodes;
+            let t = ((position - start) / step).clamp(R::ZERO, R::ONE);
+            core::array::from_fn(|a| first[a] * (R::ONE - t) + second[a] * t)
+        };
+        (end, at)
+    }
+
+    /// x̄, ȳ, z̄ at a wavelength in nm; zeros outside the table and for NaN.
+    pub fn value(&self, wavelength: R) -> [R; 3] {
+        let last = self.first + self.step * R::from_usize(self.count - 1);
+        if wavelength == last {
+            return self.node(self.count - 1);
+        }
+        if wavelength.is_finite() { self.cell(wavelength).1(wavelength) } else { [R::ZERO; 3] }
+    }
+}
+
+impl<R: Real> Observer<'static, R> {
+    /// A built-in observer from its three columns of one length, `first` and `step` in nm.
+    fn of_samples(first: f64, step: f64, columns: [&Samples; 3]) -> Self {
+        let columns = columns.map(R::samples);
+        let count = columns.iter().map(|c: &&[R]| c.len()).min().unwrap_or(0).max(1);
+        Self { first: R::from_f64(first), step: R::from_f64(step), columns, count }
+    }
+}
