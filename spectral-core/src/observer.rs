@@ -1,14 +1,14 @@
 //! Colour-matching functions.
 
-use crate::{Real, Samples};
+use crate::Real;
+use crate::tables::{ObserverTable, observers};
 
 /// The colour-matching functions x̄, ȳ, z̄ of an observer, linear between equidistant nodes and 0 outside them.
 #[derive(Clone, Copy, Debug)]
 pub struct Observer<'a, R> {
     first: R,
     step: R,
-    columns: [&'a [R]; 3],
-    count: usize,
+    nodes: &'a [[R; 3]],
 }
 
 /// Why colour-matching functions were refused.
@@ -17,7 +17,7 @@ pub struct Observer<'a, R> {
 pub enum ObserverError {
     /// The first wavelength is not finite, or the step is not a positive finite number.
     Grid,
-    /// The three columns differ in length or have fewer than two nodes.
+    /// There are fewer than two nodes.
     Length,
     /// A node is negative, infinite or NaN.
     Value {
@@ -34,10 +34,7 @@ impl core::fmt::Display for ObserverError {
             Self::Grid => {
                 write!(f, "the wavelength grid of the observer is not increasing and finite")
             }
-            Self::Length => write!(
-                f,
-                "the columns of the observer differ in length or have fewer than two nodes"
-            ),
+            Self::Length => write!(f, "the observer has fewer than two nodes"),
             Self::Value { channel, index } => {
                 write!(
                     f,
@@ -51,30 +48,34 @@ impl core::fmt::Display for ObserverError {
 impl core::error::Error for ObserverError {}
 
 impl<'a, R: Real> Observer<'a, R> {
-    /// An observer from columns x̄, ȳ, z̄ of equidistant nodes: `first` and `step` in nm.
+    /// An observer from equidistant nodes [x̄, ȳ, z̄]: `first` and `step` in nm.
     ///
     /// # Errors
     /// [`ObserverError`] says which value is not one of a colour-matching function.
-    pub fn new(first: R, step: R, columns: [&'a [R]; 3]) -> Result<Self, ObserverError> {
-        let [x, y, z] = columns;
+    pub fn new(first: R, step: R, nodes: &'a [[R; 3]]) -> Result<Self, ObserverError> {
         if !first.is_finite() || !step.is_finite() || step <= R::ZERO {
             return Err(ObserverError::Grid);
         }
-        if x.len() < 2 || x.len() != y.len() || x.len() != z.len() {
+        if nodes.len() < 2 {
             return Err(ObserverError::Length);
         }
-        for (channel, column) in columns.iter().enumerate() {
-            if let Some(index) = column.iter().position(|v| !(v.is_finite() && *v >= R::ZERO)) {
+        for (index, node) in nodes.iter().enumerate() {
+            if let Some(channel) = node.iter().position(|v| !(v.is_finite() && *v >= R::ZERO)) {
                 return Err(ObserverError::Value { channel, index });
             }
         }
-        Ok(Self { first, step, columns, count: x.len() })
+        Ok(Self { first, step, nodes })
+    }
+
+    /// The wavelength of the last node.
+    fn last(&self) -> R {
+        self.first + self.step * R::from_usize(self.nodes.len().saturating_sub(1))
     }
 
     /// The colour-matching functions at the node `index`; zeros outside the table.
     #[inline]
     fn node(&self, index: usize) -> [R; 3] {
-        self.columns.map(|column| column.get(index).copied().unwrap_or(R::ZERO))
+        self.nodes.get(index).copied().unwrap_or([R::ZERO; 3])
     }
 
     /// The cell of the table that starts at or holds `wavelength`: where it ends, and the linear functions in it.
@@ -82,8 +83,7 @@ impl<'a, R: Real> Observer<'a, R> {
     /// The end is above `wavelength` for every finite wavelength.
     #[inline]
     pub(crate) fn cell(&self, wavelength: R) -> (R, impl Fn(R) -> [R; 3] + use<R>) {
-        let last = self.first + self.step * R::from_usize(self.count - 1);
-        let inside = wavelength >= self.first && wavelength < last;
+        let inside = wavelength >= self.first && wavelength < self.last();
         let (end, start, nodes) = if inside {
             let mut index = ((wavelength - self.first) / self.step).to_usize();
             let mut end = self.first + self.step * R::from_usize(index + 1);
@@ -108,19 +108,26 @@ impl<'a, R: Real> Observer<'a, R> {
 
     /// x̄, ȳ, z̄ at a wavelength in nm; zeros outside the table and for NaN.
     pub fn value(&self, wavelength: R) -> [R; 3] {
-        let last = self.first + self.step * R::from_usize(self.count - 1);
-        if wavelength == last {
-            return self.node(self.count - 1);
+        if wavelength == self.last() {
+            return self.node(self.nodes.len().saturating_sub(1));
         }
         if wavelength.is_finite() { self.cell(wavelength).1(wavelength) } else { [R::ZERO; 3] }
     }
 }
 
 impl<R: Real> Observer<'static, R> {
-    /// A built-in observer from its three columns of one length, `first` and `step` in nm.
-    fn of_samples(first: f64, step: f64, columns: [&Samples; 3]) -> Self {
-        let columns = columns.map(R::samples);
-        let count = columns.iter().map(|c: &&[R]| c.len()).min().unwrap_or(0).max(1);
-        Self { first: R::from_f64(first), step: R::from_f64(step), columns, count }
+    /// The CIE 1931 2° standard observer at 1 nm, 360–830 nm (ISO/CIE 11664-1:2019).
+    pub fn cie_1931_2deg() -> Self {
+        Self::of_table(&observers::CIE_1931_2)
+    }
+
+    /// The CIE 1964 10° standard observer at 1 nm, 360–830 nm (ISO/CIE 11664-1:2019).
+    pub fn cie_1964_10deg() -> Self {
+        Self::of_table(&observers::CIE_1964_10)
+    }
+
+    fn of_table(table: &ObserverTable) -> Self {
+        let (nodes, _) = R::samples(&table.triplets).as_chunks::<3>();
+        Self { first: R::from_f64(f64::from(table.first)), step: R::ONE, nodes }
     }
 }
