@@ -366,7 +366,7 @@ pub enum BsdfKind {
     },
     /// Schlick's BRDF, single layer: S(u) D(t, v, v′, w) with the spectral term S(u) = C + (1 − C)(1 − u)⁵.
     ///
-    /// The weights of D's parts follow from the roughness r (Schlick 1994, equation 31 on): b = 4 r (1 − r) is glossy;
+    /// The weights of D's parts follow from the roughness r (Schlick 1994): b = 4 r (1 − r) is glossy;
     /// the rest 1 − b is ideal specular if r < ½, Lambertian otherwise. So r = 1 is Lambertian, 0 a mirror.
     Schlick {
         /// C(λ), the reflectance at normal incidence, 0 to 1.
