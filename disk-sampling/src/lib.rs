@@ -1,2 +1,11 @@
-//! Disk lights: subdivision, sampling and closed-form illuminance: `no_std`, no heap, no panic, `libm` only.
+//! Disk lights and closed-form illuminance: `no_std`, no heap, no panic, `libm` only.
+//!
+//! What is here: the configuration factor of polygonal lights ([`polygon_configuration_factor`]) and the area-preserving map of the
+//! square to the disk ([`square_to_disk`]). Adaptive subdivision of disks and the closed forms of disks and spheres are to come.
 #![no_std]
+
+mod map;
+mod polygon;
+
+pub use map::{disk_to_square, square_to_disk};
+pub use polygon::polygon_configuration_factor;

@@ -73,6 +73,11 @@ impl<'a, R: Real> Subdivision<'a, R> {
         Ok(Self { stages, white, status: outcome.status })
     }
 
+    /// A subdivision recorded before, whose stages the caller kept, for the white that it was recorded with.
+    pub const fn from_stages(stages: &'a [Stage<R>], white: [R; 3], status: Status) -> Self {
+        Self { stages, white, status }
+    }
+
     /// The stages, from one interval on.
     pub const fn stages(&self) -> &'a [Stage<R>] {
         self.stages

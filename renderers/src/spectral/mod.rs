@@ -1,0 +1,56 @@
+//! The spectral side of rendering: what light a pixel gathers, as a sum of products of spectra, and the ways to make a colour of it.
+//!
+//! Light transport writes a [`Radiance`] for each pixel: coefficients of [monomials](Monomial) (products of the scene's
+//! spectra, collected in a [`Palette`]) and of [deferred](Deferred) light whose path depends on the wavelength. A
+//! [`Resolver`] turns it into a colour: by adaptive intervals, by uniform bins or by three components. Transport is the
+//! same for all of them.
+
+mod interval;
+mod palette;
+mod radiance;
+mod rgb;
+mod uniform;
+
+pub use interval::{IntervalMemory, IntervalSettings, Intervals, SharedIntervals};
+pub use palette::{Factor, Palette, Role, Tabulated};
+pub use radiance::{Deferred, Monomial, Monomials, Radiance};
+pub use rgb::Components;
+pub use uniform::{Uniform, UniformBins};
+
+/// ∫ȳ of the CIE 1931 observer over 380–780 nm in nm, at 1 nm, exact for its linear interpolation: what divides ∫Lȳ so that a flat
+/// radiance of 1 has Y = 1.
+pub const Y_INTEGRAL: f64 = 106.856_399_282_88;
+
+/// A pixel's colour and what is known of its error.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Colour {
+    /// Tristimulus values, with Y = 1 for a flat radiance of 1.
+    pub xyz: [f64; 3],
+    /// The bound of ΔE*ab from the spectral representation: certain in the certified mode where no light is deferred, an
+    /// estimate otherwise; 0 for representations without a bound.
+    pub delta_e: f64,
+    /// The part of the bound that comes of deferred light's paths: an estimate.
+    pub path_delta_e: f64,
+    /// How many intervals, bins or components it took.
+    pub intervals: usize,
+}
+
+/// Light transport, as far as making colours needs it.
+pub trait Tracer {
+    /// The products of spectra that radiances refer to.
+    fn monomials(&self) -> &Monomials;
+
+    /// The radiance of deferred light at a wavelength in nm; nothing in it is deferred.
+    fn trace(&mut self, deferred: Deferred, wavelength: f64) -> Radiance;
+}
+
+/// Makes colours of radiance; one for each thread.
+pub trait Resolver {
+    /// The colour of a pixel.
+    fn resolve(&mut self, radiance: &Radiance, tracer: &mut dyn Tracer) -> Colour;
+}
+
+/// Tristimulus values ∫Lā relative to [`Y_INTEGRAL`].
+fn normalised(tristimulus: [f64; 3]) -> [f64; 3] {
+    tristimulus.map(|v| v / Y_INTEGRAL)
+}

@@ -1,0 +1,107 @@
+//! A pixel's radiance as a sum of products of spectra.
+
+use std::collections::HashMap;
+
+use super::Factor;
+
+/// A product of leaves, by its number among [`Monomials`]; the default is the empty product, 1.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct Monomial(u32);
+
+impl Monomial {
+    /// The number, from 0 for the empty product.
+    pub const fn index(self) -> usize {
+        self.0 as usize
+    }
+}
+
+/// All products met so far: each gets one number however its factors are ordered.
+#[derive(Clone, Debug)]
+pub struct Monomials {
+    factors: Vec<Vec<u32>>,
+    products: HashMap<(u32, u32), u32>,
+    numbers: HashMap<Vec<u32>, u32>,
+}
+
+impl Default for Monomials {
+    fn default() -> Self {
+        Self { factors: vec![Vec::new()], products: HashMap::new(), numbers: HashMap::from([(Vec::new(), 0)]) }
+    }
+}
+
+impl Monomials {
+    /// The product of a monomial and a leaf.
+    pub fn times_leaf(&mut self, monomial: Monomial, leaf: u32) -> Monomial {
+        if let Some(known) = self.products.get(&(monomial.0, leaf)) {
+            return Monomial(*known);
+        }
+        let mut factors = self.factors[monomial.index()].clone();
+        let place = factors.partition_point(|f| *f <= leaf);
+        factors.insert(place, leaf);
+        let next = u32::try_from(self.factors.len()).unwrap_or(u32::MAX);
+        let number = *self.numbers.entry(factors.clone()).or_insert(next);
+        if number == next {
+            self.factors.push(factors);
+        }
+        self.products.insert((monomial.0, leaf), number);
+        Monomial(number)
+    }
+
+    /// The product of a weighted monomial and a factor.
+    pub fn times(&mut self, monomial: Monomial, weight: f64, factor: Factor) -> (Monomial, f64) {
+        let product = factor.leaf.map_or(monomial, |leaf| self.times_leaf(monomial, leaf));
+        (product, weight * factor.scale)
+    }
+
+    /// The leaves of a monomial, in increasing order.
+    pub fn leaves(&self, monomial: Monomial) -> &[u32] {
+        &self.factors[monomial.index()]
+    }
+}
+
+/// Light whose path depends on the wavelength, by its number in the pixel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Deferred(pub u32);
+
+/// A sum of weighted products of spectra and of deferred light.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Radiance {
+    terms: Vec<(Monomial, f64)>,
+    deferred: Vec<(Deferred, Monomial, f64)>,
+}
+
+impl Radiance {
+    /// The terms whose paths don't depend on the wavelength, each product once.
+    pub fn terms(&self) -> &[(Monomial, f64)] {
+        &self.terms
+    }
+
+    /// The deferred light, each with what it is multiplied by.
+    pub fn deferred(&self) -> &[(Deferred, Monomial, f64)] {
+        &self.deferred
+    }
+
+    /// Adds a product of spectra.
+    pub fn add(&mut self, monomial: Monomial, weight: f64) {
+        if weight == 0.0 {
+            return;
+        }
+        match self.terms.iter_mut().find(|(known, _)| *known == monomial) {
+            Some((_, sum)) => *sum += weight,
+            None => self.terms.push((monomial, weight)),
+        }
+    }
+
+    /// Adds deferred light times a product of spectra.
+    pub fn defer(&mut self, deferred: Deferred, monomial: Monomial, weight: f64) {
+        if weight != 0.0 {
+            self.deferred.push((deferred, monomial, weight));
+        }
+    }
+
+    /// Empties the sum, keeping its memory.
+    pub fn clear(&mut self) {
+        self.terms.clear();
+        self.deferred.clear();
+    }
+}

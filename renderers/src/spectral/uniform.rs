@@ -1,0 +1,146 @@
+//! Colours by equal bins of wavelength.
+
+use spectral_core::spectrum::Spectrum;
+use spectral_core::{Observer, tristimulus};
+
+use super::{Colour, Monomial, Monomials, Palette, Radiance, Resolver, Tracer, normalised};
+
+const FIRST: f64 = spectral_core::interval::FIRST_WAVELENGTH;
+const LAST: f64 = spectral_core::interval::LAST_WAVELENGTH;
+
+/// N equal bins over 380–780 nm with each spectrum's mean over the bin, so that narrow lines are not missed, and the integrals of the
+/// colour-matching functions over the bin.
+#[derive(Clone, Debug)]
+pub struct UniformBins {
+    count: usize,
+    /// For each leaf, its mean over each bin.
+    leaves: Vec<Vec<f64>>,
+    /// ∫x̄, ∫ȳ, ∫z̄ over each bin in nm.
+    weights: [Vec<f64>; 3],
+}
+
+impl UniformBins {
+    /// Averages the spectra of a palette over `count` bins, at least one.
+    ///
+    /// # Errors
+    /// A text that says what is wrong with which leaf.
+    pub fn new(palette: &Palette, count: usize) -> Result<Self, String> {
+        let observer = Observer::cie_1931_2deg();
+        let unit = spectral_core::spectrum::Constant::new(1.0).map_err(|e| e.to_string())?;
+        let mut weights = [const { Vec::new() }; 3];
+        for bin in 0..count {
+            let [from, to] = limits(bin, count);
+            for (weight, value) in weights.iter_mut().zip(tristimulus(&observer, &unit, from, to)) {
+                weight.push(value);
+            }
+        }
+        let mut leaves = Vec::new();
+        for (leaf, _) in palette.leaves() {
+            let spectrum = leaf.spectrum()?;
+            leaves.push((0..count).map(|bin| mean(&spectrum, limits(bin, count))).collect());
+        }
+        Ok(Self { count, leaves, weights })
+    }
+
+    fn centre(&self, bin: usize) -> f64 {
+        let [from, to] = limits(bin, self.count);
+        (from + to) / 2.0
+    }
+}
+
+#[allow(clippy::cast_precision_loss, reason = "bins are few")]
+fn limits(bin: usize, count: usize) -> [f64; 2] {
+    let at = |n: usize| FIRST + (LAST - FIRST) * n as f64 / count as f64;
+    [at(bin), at(bin + 1)]
+}
+
+/// The mean over a range: exact, by trapezia over the linear pieces.
+fn mean(spectrum: &impl Spectrum<f64>, [from, to]: [f64; 2]) -> f64 {
+    let mut sum = 0.0;
+    let mut position = from;
+    while position < to {
+        let segment = spectrum.segment(position);
+        let end = segment.end.min(to);
+        let last = if segment.end.is_finite() {
+            segment.first + (segment.last - segment.first) * (end - position) / (segment.end - position)
+        } else {
+            segment.first
+        };
+        sum += (segment.first + last) / 2.0 * (end - position);
+        position = end;
+    }
+    sum / (to - from)
+}
+
+/// Colours by equal bins: the buffers of one thread.
+#[derive(Clone, Debug)]
+pub struct Uniform<'a> {
+    bins: &'a UniformBins,
+    spectrum: Vec<f64>,
+    product: Vec<f64>,
+}
+
+impl<'a> Uniform<'a> {
+    /// Buffers for a pixel's spectrum.
+    pub fn new(bins: &'a UniformBins) -> Self {
+        Self { bins, spectrum: vec![0.0; bins.count], product: vec![0.0; bins.count] }
+    }
+
+    /// Adds a product of spectra to the pixel's.
+    fn add(&mut self, leaves: &[u32], weight: f64) {
+        let mut factors = leaves.iter().filter_map(|leaf| self.bins.leaves.get(*leaf as usize));
+        let Some(first) = factors.next() else {
+            self.spectrum.iter_mut().for_each(|s| *s += weight);
+            return;
+        };
+        let Some(second) = factors.next() else {
+            for (sum, a) in self.spectrum.iter_mut().zip(first) {
+                *sum += weight * a;
+            }
+            return;
+        };
+        for ((product, a), b) in self.product.iter_mut().zip(first).zip(second) {
+            *product = a * b;
+        }
+        for factor in factors {
+            for (product, value) in self.product.iter_mut().zip(factor) {
+                *product *= value;
+            }
+        }
+        for (sum, product) in self.spectrum.iter_mut().zip(&self.product) {
+            *sum += weight * product;
+        }
+    }
+
+    /// Adds deferred light, traced for each bin.
+    fn add_deferred(&mut self, radiance: &Radiance, tracer: &mut dyn Tracer) {
+        for bin in 0..self.bins.count {
+            for (deferred, through, weight) in radiance.deferred() {
+                let traced = tracer.trace(*deferred, self.bins.centre(bin));
+                let monomials = tracer.monomials();
+                let light: f64 =
+                    traced.terms().iter().map(|(m, w)| w * self.bin_product(monomials, *m, bin)).sum();
+                self.spectrum[bin] += weight * light * self.bin_product(monomials, *through, bin);
+            }
+        }
+    }
+
+    fn bin_product(&self, monomials: &Monomials, monomial: Monomial, bin: usize) -> f64 {
+        monomials.leaves(monomial).iter().map(|leaf| self.bins.leaves[*leaf as usize][bin]).product()
+    }
+}
+
+impl Resolver for Uniform<'_> {
+    fn resolve(&mut self, radiance: &Radiance, tracer: &mut dyn Tracer) -> Colour {
+        self.spectrum.fill(0.0);
+        let monomials = tracer.monomials();
+        for (monomial, weight) in radiance.terms() {
+            self.add(monomials.leaves(*monomial), *weight);
+        }
+        if !radiance.deferred().is_empty() {
+            self.add_deferred(radiance, tracer);
+        }
+        let xyz = self.bins.weights.each_ref().map(|w| w.iter().zip(&self.spectrum).map(|(w, s)| w * s).sum());
+        Colour { xyz: normalised(xyz), intervals: self.bins.count, ..Colour::default() }
+    }
+}
