@@ -4,7 +4,31 @@
 //! allowed at its nodes, and integrals of its products with the colour-matching functions (piecewise linear, too) are
 //! exact but for rounding.
 
+mod daylight;
+mod error;
+mod grid;
+mod line;
+mod piecewise;
+mod planck;
+mod simple;
+
 use crate::Real;
+pub use daylight::{Daylight, Rounding};
+pub use error::SpectrumError;
+pub use line::{Line, Lines};
+pub use piecewise::{PiecewiseLinear, Uniform};
+pub use planck::{Planck, RadiationConstant};
+pub use simple::{Constant, Scaled};
+
+/// What a sampled spectrum is outside its nodes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Outside {
+    /// Zero, with a jump at the first and last node.
+    #[default]
+    Zero,
+    /// The value of the nearest node.
+    Hold,
+}
 
 /// One linear piece of a spectrum, from the wavelength it was asked for to `end`.
 #[derive(Clone, Copy, Debug, PartialEq)]
