@@ -3,7 +3,7 @@
 //! Run it with `cargo run -p spectral-tests --bin generate_tables`; a test compares what is committed with what it
 //! would write.
 
-use std::fmt::Write as _;
+use core::fmt::Write as _;
 use std::fs;
 use std::path::{Path, PathBuf};
 
