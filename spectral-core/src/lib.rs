@@ -8,6 +8,7 @@ extern crate std;
 pub mod adaptive;
 pub mod bound;
 pub mod colour;
+pub mod dispersion;
 pub mod expression;
 mod integrate;
 pub mod interval;

@@ -3,7 +3,7 @@
 //! Run it with `cargo run -p spectral-tests --bin generate_tables`; a test compares what is committed with what it
 //! would write.
 
-use std::fmt::Write as _;
+use core::fmt::Write as _;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -321,7 +321,7 @@ fn write_module(module: &Module) -> Result<String, String> {
     }
     out.push_str("#![allow(\n    clippy::approx_constant,\n    clippy::excessive_precision,\n    clippy::unreadable_literal,\n");
     out.push_str("    reason = \"decimals as they are in the source\"\n)]\n\n");
-    let _ = writeln!(out, "use super::{{{}}};", uses(module.table));
+    let _ = writeln!(out, "use super::{};", uses(module.table));
     let mut constants = Vec::new();
     for (file, kind) in module.sources {
         let csv = Csv::read(file)?;
@@ -338,7 +338,7 @@ fn write_module(module: &Module) -> Result<String, String> {
 }
 
 fn uses(table: &str) -> String {
-    if table == "GlassTable" { "Formula, GlassTable".to_owned() } else { table.to_owned() }
+    if table == "GlassTable" { "{Formula, GlassTable}".to_owned() } else { table.to_owned() }
 }
 
 fn write_source(
@@ -407,20 +407,15 @@ fn write_uniform(
 
 fn write_observer(out: &mut String, csv: &Csv, constant: &str, name: &str) -> Result<(), String> {
     let (first, step, last) = steps(&csv.column("wavelength_nm")?)?;
-    if step != 1 {
-        return Err(format!("the step is {step} nm, not 1"));
-    }
-    let columns = ["xbar", "ybar", "zbar"].map(|column| csv.index(column));
-    let mut triplets = Vec::new();
-    for row in &csv.rows {
-        for column in &columns {
-            triplets.push(row[column.clone()?].as_str());
-        }
-    }
-    let doc = format!("x̄, ȳ, z̄ of the {name} standard observer, {first}–{last} nm at 1 nm");
+    let doc = format!("x̄, ȳ, z̄ of the {name} standard observer, {first}–{last} nm at {step} nm");
     open(out, &doc, constant, "ObserverTable", name);
-    let _ = writeln!(out, "    first: {first},");
-    write_fields(out, &[("triplets", triplets)])
+    let _ = writeln!(out, "    first: {first},\n    step: {step},\n    columns: [");
+    for column in ["xbar", "ybar", "zbar"] {
+        let _ = write!(out, "    ");
+        write_list(out, &csv.column(column)?)?;
+    }
+    out.push_str("    ],\n};\n");
+    Ok(())
 }
 
 fn write_bins(out: &mut String, csv: &Csv, name: &str, quantity: &str) -> Result<String, String> {
@@ -511,12 +506,19 @@ fn open(out: &mut String, doc: &str, constant: &str, table: &str, name: &str) {
 /// The lists of a constant, and its end.
 fn write_fields(out: &mut String, fields: &[(&str, Vec<&str>)]) -> Result<(), String> {
     for (field, values) in fields {
-        let literals = values.iter().map(|text| literal(text)).collect::<Result<Vec<_>, _>>()?;
-        let _ = writeln!(out, "    {field}: samples!({};", literals.len());
-        write_wrapped(out, &literals);
-        out.push_str("    ),\n");
+        let _ = write!(out, "    {field}: ");
+        write_list(out, values)?;
     }
     out.push_str("};\n");
+    Ok(())
+}
+
+/// A `samples!` list from where the line stands to its end.
+fn write_list(out: &mut String, cells: &[&str]) -> Result<(), String> {
+    let literals = cells.iter().map(|text| literal(text)).collect::<Result<Vec<_>, _>>()?;
+    let _ = writeln!(out, "samples!({};", literals.len());
+    write_wrapped(out, &literals);
+    out.push_str("    ),\n");
     Ok(())
 }
 

@@ -86,13 +86,15 @@ impl<R: Real> Grid<R> {
     /// Where `wavelength` lies.
     #[inline]
     pub(crate) fn locate(&self, wavelength: R) -> Place<R> {
-        if self.count < 2 || !(wavelength >= self.first) {
-            return Place::Below(self.first);
-        }
-        if wavelength >= self.node(self.count - 1) {
+        let last = self.node(self.count.saturating_sub(1));
+        if wavelength >= last {
             return Place::Above;
         }
-        let mut index = ((wavelength - self.first) / self.step).to_usize().min(self.count - 2);
+        if wavelength < self.first || wavelength.is_nan() {
+            return Place::Below(self.first);
+        }
+        let mut index =
+            ((wavelength - self.first) / self.step).to_usize().min(self.count.saturating_sub(2));
         // The guess may be off by rounding; both loops end after one turn at most.
         while index > 0 && self.node(index) > wavelength {
             index -= 1;

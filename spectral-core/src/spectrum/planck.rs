@@ -93,7 +93,7 @@ impl<R: Real> Spectrum<R> for Planck<R> {
         if wavelength < R::ZERO {
             return flat(R::ZERO);
         }
-        if !(wavelength < R::from_usize(LAST)) {
+        if wavelength >= R::from_usize(LAST) || wavelength.is_nan() {
             return flat(R::INFINITY);
         }
         let start = wavelength.floor();

@@ -8,7 +8,7 @@
     reason = "decimals as they are in the source"
 )]
 
-use super::{UniformTable};
+use super::UniformTable;
 
 /// `PAS`: action spectrum, 1 at its peak, 350–830 nm at 5 nm.
 pub const PAS: UniformTable = UniformTable {

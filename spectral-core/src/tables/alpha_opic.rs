@@ -7,7 +7,7 @@
     reason = "decimals as they are in the source"
 )]
 
-use super::{UniformTable};
+use super::UniformTable;
 
 /// `s_cone`: action spectrum, 1 at its peak, 390–615 nm at 1 nm.
 pub const S_CONE: UniformTable = UniformTable {

@@ -8,7 +8,7 @@
     reason = "decimals as they are in the source"
 )]
 
-use super::{UniformTable};
+use super::UniformTable;
 
 /// `dark_skin`: spectral reflectance, 380–730 nm at 10 nm.
 pub const DARK_SKIN: UniformTable = UniformTable {

@@ -7,7 +7,7 @@
     reason = "decimals as they are in the source"
 )]
 
-use super::{UniformTable};
+use super::UniformTable;
 
 /// `dark_skin`: spectral reflectance, 380–780 nm at 5 nm.
 pub const DARK_SKIN: UniformTable = UniformTable {

@@ -7,7 +7,7 @@
     reason = "decimals as they are in the source"
 )]
 
-use super::{UniformTable};
+use super::UniformTable;
 
 /// `white`: spectral reflectance, 400–700 nm at 4 nm.
 pub const WHITE: UniformTable = UniformTable {

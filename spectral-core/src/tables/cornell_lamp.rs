@@ -7,7 +7,7 @@
     reason = "decimals as they are in the source"
 )]
 
-use super::{UniformTable};
+use super::UniformTable;
 
 /// `cornell_lamp`: relative spectral radiance, 400–700 nm at 100 nm.
 pub const CORNELL_LAMP: UniformTable = UniformTable {

@@ -7,7 +7,7 @@
     reason = "decimals as they are in the source"
 )]
 
-use super::{UniformTable};
+use super::UniformTable;
 
 /// `S0`: daylight basis function, S0 = 100 at 560 nm, 300–830 nm at 5 nm.
 pub const S0: UniformTable = UniformTable {

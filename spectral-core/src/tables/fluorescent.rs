@@ -7,7 +7,7 @@
     reason = "decimals as they are in the source"
 )]
 
-use super::{UniformTable};
+use super::UniformTable;
 
 /// `FL1`: relative spectral power, 380–780 nm at 5 nm.
 pub const FL1: UniformTable = UniformTable {

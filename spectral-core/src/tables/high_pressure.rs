@@ -8,7 +8,7 @@
     reason = "decimals as they are in the source"
 )]
 
-use super::{UniformTable};
+use super::UniformTable;
 
 /// `HP1`: relative spectral power, 380–780 nm at 5 nm.
 pub const HP1: UniformTable = UniformTable {

@@ -8,7 +8,7 @@
     reason = "decimals as they are in the source"
 )]
 
-use super::{UniformTable};
+use super::UniformTable;
 
 /// `A`: relative spectral power, 300–780 nm at 5 nm.
 pub const A: UniformTable = UniformTable {

@@ -7,7 +7,7 @@
     reason = "decimals as they are in the source"
 )]
 
-use super::{LineTable};
+use super::LineTable;
 
 /// The lines of sodium-D: wavelengths in nm, relative powers.
 pub const SODIUM_D: LineTable = LineTable {

@@ -9,7 +9,7 @@
     reason = "decimals as they are in the source"
 )]
 
-use super::{MetalTable};
+use super::MetalTable;
 
 /// n and k of Au, 298.757–885.6013 nm (luxpop, as shipped with Mitsuba 3).
 pub const AU: MetalTable = MetalTable {

@@ -92,36 +92,26 @@ impl UniformTable {
     }
 }
 
-/// The colour-matching functions of a standard observer, at 1 nm.
+/// The colour-matching functions of a standard observer, at equal steps of wavelength.
 #[derive(Clone, Copy, Debug)]
 pub struct ObserverTable {
     /// The observer's name.
     pub name: &'static str,
-    /// Wavelength of the first triplet in nm; the step is 1 nm.
+    /// Wavelength of the first row in nm.
     pub first: u16,
-    /// x̄, ȳ, z̄ of the first wavelength, then of the next one, and so on, so that a triplet is one fetch.
-    pub triplets: Samples,
+    /// Distance between rows in nm; 1 for the built-in observers.
+    pub step: u16,
+    /// The columns x̄, ȳ and z̄, of one length.
+    pub columns: [Samples; 3],
 }
 
 impl ObserverTable {
-    /// Number of wavelengths.
-    #[must_use]
-    pub const fn len(&self) -> usize {
-        self.triplets.double.len() / 3
-    }
-
-    /// Whether the table has no wavelength; never the case of a built-in one.
-    #[must_use]
-    pub const fn is_empty(&self) -> bool {
-        self.len() == 0
-    }
-
-    /// x̄, ȳ, z̄ (dimensionless) at the wavelength `first` + `index` nm; zeros beyond the last one.
+    /// x̄, ȳ, z̄ (dimensionless) at the wavelength `first` + `index` · `step`; zeros beyond the last row.
     #[inline]
     #[must_use]
     pub fn cmf<R: Real>(&self, index: usize) -> [R; 3] {
-        let (triplets, _) = R::samples(&self.triplets).as_chunks::<3>();
-        triplets.get(index).copied().unwrap_or([R::ZERO; 3])
+        let value = |column: &Samples| R::samples(column).get(index).copied().unwrap_or(R::ZERO);
+        self.columns.each_ref().map(value)
     }
 }
 

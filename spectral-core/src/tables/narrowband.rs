@@ -9,7 +9,7 @@
     reason = "decimals as they are in the source"
 )]
 
-use super::{UniformTable};
+use super::UniformTable;
 
 /// `LPS`: relative spectral power, 380–780 nm at 5 nm.
 pub const LPS: UniformTable = UniformTable {

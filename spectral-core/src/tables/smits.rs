@@ -7,7 +7,7 @@
     reason = "decimals as they are in the source"
 )]
 
-use super::{BinTable};
+use super::BinTable;
 
 /// `white`: reflectance, bins of 34 nm from 380 nm.
 pub const WHITE: BinTable = BinTable {

@@ -7,7 +7,7 @@
     reason = "decimals as they are in the source"
 )]
 
-use super::{UniformTable};
+use super::UniformTable;
 
 /// `TCS01`: spectral radiance factor, 360–830 nm at 5 nm.
 pub const TCS01: UniformTable = UniformTable {
