@@ -87,7 +87,7 @@ mod tests {
 
     #[test]
     fn agrees_with_the_parallel_rectangle() {
-        for (a, b, c) in [(1.0, 1.0, 1.0), (2.0, 0.5, 0.1), (1e-3, 1e-3, 1.0), (100.0, 1.0, 3.0)] {
+        for (a, b, c) in [(1.0_f64, 1.0_f64, 1.0_f64), (2.0, 0.5, 0.1), (1e-3, 1e-3, 1.0), (100.0, 1.0, 3.0)] {
             let corners = [[0.0, 0.0, c], [a, 0.0, c], [a, b, c], [0.0, b, c]];
             let exact = parallel_corner(a, b, c);
             let found = polygon_configuration_factor([0.0; 3], [0.0, 0.0, 1.0], &corners);
@@ -102,7 +102,7 @@ mod tests {
         let whole = [[1.0, -1.0, -1.0], [1.0, 1.0, -1.0], [1.0, 1.0, 1.0], [1.0, -1.0, 1.0]];
         let up = [0.0, 0.0, 1.0];
         let expected = polygon_configuration_factor([0.0; 3], up, &half);
-        let found = polygon_configuration_factor([0.0; 3], up, &whole);
+        let found: f64 = polygon_configuration_factor([0.0; 3], up, &whole);
         assert!((found - expected).abs() <= 8.0 * f64::EPSILON && found > 0.05, "{found} {expected}");
         assert_eq!(polygon_configuration_factor([0.0, 0.0, 2.0], up, &whole), 0.0);
     }

@@ -8,7 +8,8 @@ use crate::tables::{ObserverTable, observers};
 pub struct Observer<'a, R> {
     first: R,
     step: R,
-    nodes: &'a [[R; 3]],
+    columns: [&'a [R]; 3],
+    count: usize,
 }
 
 /// Why colour-matching functions were refused.
@@ -17,7 +18,7 @@ pub struct Observer<'a, R> {
 pub enum ObserverError {
     /// The first wavelength is not finite, or the step is not a positive finite number.
     Grid,
-    /// There are fewer than two nodes.
+    /// The three columns differ in length or have fewer than two nodes.
     Length,
     /// A node is negative, infinite or NaN.
     Value {
@@ -34,7 +35,10 @@ impl core::fmt::Display for ObserverError {
             Self::Grid => {
                 write!(f, "the wavelength grid of the observer is not increasing and finite")
             }
-            Self::Length => write!(f, "the observer has fewer than two nodes"),
+            Self::Length => write!(
+                f,
+                "the columns of the observer differ in length or have fewer than two nodes"
+            ),
             Self::Value { channel, index } => {
                 write!(
                     f,
@@ -48,34 +52,30 @@ impl core::fmt::Display for ObserverError {
 impl core::error::Error for ObserverError {}
 
 impl<'a, R: Real> Observer<'a, R> {
-    /// An observer from equidistant nodes [x̄, ȳ, z̄]: `first` and `step` in nm.
+    /// An observer from columns x̄, ȳ, z̄ of equidistant nodes: `first` and `step` in nm.
     ///
     /// # Errors
     /// [`ObserverError`] says which value is not one of a colour-matching function.
-    pub fn new(first: R, step: R, nodes: &'a [[R; 3]]) -> Result<Self, ObserverError> {
+    pub fn new(first: R, step: R, columns: [&'a [R]; 3]) -> Result<Self, ObserverError> {
+        let [x, y, z] = columns;
         if !first.is_finite() || !step.is_finite() || step <= R::ZERO {
             return Err(ObserverError::Grid);
         }
-        if nodes.len() < 2 {
+        if x.len() < 2 || x.len() != y.len() || x.len() != z.len() {
             return Err(ObserverError::Length);
         }
-        for (index, node) in nodes.iter().enumerate() {
-            if let Some(channel) = node.iter().position(|v| !(v.is_finite() && *v >= R::ZERO)) {
+        for (channel, column) in columns.iter().enumerate() {
+            if let Some(index) = column.iter().position(|v| !(v.is_finite() && *v >= R::ZERO)) {
                 return Err(ObserverError::Value { channel, index });
             }
         }
-        Ok(Self { first, step, nodes })
-    }
-
-    /// The wavelength of the last node.
-    fn last(&self) -> R {
-        self.first + self.step * R::from_usize(self.nodes.len().saturating_sub(1))
+        Ok(Self { first, step, columns, count: x.len() })
     }
 
     /// The colour-matching functions at the node `index`; zeros outside the table.
     #[inline]
     fn node(&self, index: usize) -> [R; 3] {
-        self.nodes.get(index).copied().unwrap_or([R::ZERO; 3])
+        self.columns.map(|column| column.get(index).copied().unwrap_or(R::ZERO))
     }
 
     /// The cell of the table that starts at or holds `wavelength`: where it ends, and the linear functions in it.
@@ -83,7 +83,8 @@ impl<'a, R: Real> Observer<'a, R> {
     /// The end is above `wavelength` for every finite wavelength.
     #[inline]
     pub(crate) fn cell(&self, wavelength: R) -> (R, impl Fn(R) -> [R; 3] + use<R>) {
-        let inside = wavelength >= self.first && wavelength < self.last();
+        let last = self.first + self.step * R::from_usize(self.count - 1);
+        let inside = wavelength >= self.first && wavelength < last;
         let (end, start, nodes) = if inside {
             let mut index = ((wavelength - self.first) / self.step).to_usize();
             let mut end = self.first + self.step * R::from_usize(index + 1);
@@ -108,8 +109,9 @@ impl<'a, R: Real> Observer<'a, R> {
 
     /// x̄, ȳ, z̄ at a wavelength in nm; zeros outside the table and for NaN.
     pub fn value(&self, wavelength: R) -> [R; 3] {
-        if wavelength == self.last() {
-            return self.node(self.nodes.len().saturating_sub(1));
+        let last = self.first + self.step * R::from_usize(self.count - 1);
+        if wavelength == last {
+            return self.node(self.count - 1);
         }
         if wavelength.is_finite() { self.cell(wavelength).1(wavelength) } else { [R::ZERO; 3] }
     }
@@ -127,7 +129,9 @@ impl<R: Real> Observer<'static, R> {
     }
 
     fn of_table(table: &ObserverTable) -> Self {
-        let (nodes, _) = R::samples(&table.triplets).as_chunks::<3>();
-        Self { first: R::from_f64(f64::from(table.first)), step: R::ONE, nodes }
+        let columns = table.columns.each_ref().map(R::samples);
+        let count = columns.iter().map(|c: &&[R]| c.len()).min().unwrap_or(0).max(1);
+        let [first, step] = [table.first, table.step].map(|v| R::from_f64(f64::from(v)));
+        Self { first, step, columns, count }
     }
 }
