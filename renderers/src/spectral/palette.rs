@@ -76,6 +76,18 @@ impl Palette {
 }
 
 impl Tabulated {
+    /// A function of the wavelength in nm at whole nanometres over 360–830 nm.
+    pub fn sampled(function: impl Fn(f64) -> f64) -> Self {
+        let wavelengths: Vec<f64> = (360..=830).map(f64::from).collect();
+        let values = wavelengths.iter().map(|w| function(*w)).collect();
+        Self { wavelengths, values }
+    }
+
+    /// The spectrum times a number.
+    pub fn scaled(&self, factor: f64) -> Self {
+        Self { wavelengths: self.wavelengths.clone(), values: self.values.iter().map(|v| v * factor).collect() }
+    }
+
     fn flat() -> Self {
         Self { wavelengths: vec![360.0, 830.0], values: vec![1.0, 1.0] }
     }
