@@ -1,1 +1,3 @@
 //! Oracles and statistics shared by the tests; nothing in the workspace depends on this crate.
+
+pub mod statistics;
