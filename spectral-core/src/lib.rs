@@ -14,6 +14,7 @@ mod integrate;
 pub mod interval;
 mod observer;
 mod real;
+pub mod schlick;
 pub mod spectrum;
 pub mod subdivision;
 pub mod tables;

@@ -25,7 +25,11 @@ pub struct Monomials {
 
 impl Default for Monomials {
     fn default() -> Self {
-        Self { factors: vec![Vec::new()], products: HashMap::new(), numbers: HashMap::from([(Vec::new(), 0)]) }
+        Self {
+            factors: vec![Vec::new()],
+            products: HashMap::new(),
+            numbers: HashMap::from([(Vec::new(), 0)]),
+        }
     }
 }
 
@@ -45,6 +49,15 @@ impl Monomials {
         }
         self.products.insert((monomial.0, leaf), number);
         Monomial(number)
+    }
+
+    /// The product of two monomials.
+    pub fn product(&mut self, first: Monomial, second: Monomial) -> Monomial {
+        let mut product = first;
+        for place in 0..self.factors[second.index()].len() {
+            product = self.times_leaf(product, self.factors[second.index()][place]);
+        }
+        product
     }
 
     /// The product of a weighted monomial and a factor.

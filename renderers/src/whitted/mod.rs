@@ -1,0 +1,438 @@
+//! Whitted's ray tracer: direct light, mirrors, refraction and a constant ambient term, written down as rendering expressions
+//! (Iehl–Péroche §2, §4).
+//!
+//! Each camera ray adds to its pixel's [`Radiance`]. A path through a medium whose index depends on the wavelength is
+//! [deferred](crate::spectral::Deferred): its reflected part is traced at once, its refracted part when a wavelength is asked
+//! for (the paper's *scattered gathering*). Scenes without dispersion never pay for that.
+//!
+//! Approximations: light that reaches a diffuse surface by way of mirrors or glass is not found (caustics), and light between diffuse
+//! surfaces is the scene's ambient term. Paths end after [`max_depth`](Settings::max_depth) reflections and refractions, or when they count for
+//! less than 10⁻⁴.
+
+mod build;
+mod light;
+mod material;
+
+use glam::DVec3;
+use spectral_core::schlick::{Schlick, schlick_fresnel};
+
+use crate::geometry::{Camera, Hit, Ray, World};
+use crate::spectral::{Deferred, Factor, Monomial, Monomials, Radiance, Tracer};
+use light::{Light, Part, Receiver, single};
+use material::{Dielectric, Material, dielectric_fresnel, mirror_factors};
+
+/// Paths that count for less are not followed.
+const LEAST_WEIGHT: f64 = 1e-4;
+/// Parts of a light (4 to this power) that a glossy surface looks at.
+const GLOSSY_LEVEL: u32 = 3;
+
+/// Why a scene can't be rendered: one line.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct RenderError(String);
+
+impl RenderError {
+    /// An error with this text.
+    pub fn new(text: impl Into<String>) -> Self {
+        Self(text.into())
+    }
+}
+
+impl core::fmt::Display for RenderError {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
+impl core::error::Error for RenderError {}
+
+/// How far paths are followed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Settings {
+    /// The longest chain of reflections and refractions.
+    pub max_depth: u32,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self { max_depth: 10 }
+    }
+}
+
+/// A scene made ready for tracing.
+#[derive(Debug)]
+pub struct Whitted {
+    world: World,
+    camera: Camera,
+    /// For each shape, its material and the radiance of its front.
+    surfaces: Vec<(Material, Option<Factor>)>,
+    lights: Vec<Light>,
+    ambient: Vec<Factor>,
+    settings: Settings,
+}
+
+/// What one thread needs for tracing: the products met, the deferred light of a pixel, and a count of rays.
+#[derive(Debug)]
+pub struct Worker<'s> {
+    scene: &'s Whitted,
+    monomials: Monomials,
+    deferred: Vec<Interface>,
+    rays: u64,
+}
+
+/// Where light met a boundary between media with a wavelength-dependent index.
+#[derive(Clone, Debug)]
+struct Interface {
+    hit: Hit,
+    direction: DVec3,
+    depth: u32,
+    /// The light mirrored there, which is wavelength-free but for its share.
+    reflected: Radiance,
+    /// What the path counts for.
+    weight: f64,
+}
+
+/// Where a path is: what its light is multiplied by, and how it was deferred.
+#[derive(Clone, Copy, Debug)]
+struct Path {
+    monomial: Monomial,
+    weight: f64,
+    depth: u32,
+    /// The wavelength in nm, once the path depends on it.
+    wavelength: Option<f64>,
+    /// The way's length counts for absorption by the interior of this shape.
+    interior: Option<u32>,
+}
+
+impl<'s> Worker<'s> {
+    /// A worker without anything in its caches.
+    pub fn new(scene: &'s Whitted) -> Self {
+        Self { scene, monomials: Monomials::default(), deferred: Vec::new(), rays: 0 }
+    }
+
+    /// How many rays this worker has traced, shadow rays not counted.
+    pub const fn rays(&self) -> u64 {
+        self.rays
+    }
+
+    /// Forgets the deferred light of the last pixel.
+    pub fn start_pixel(&mut self) {
+        self.deferred.clear();
+    }
+
+    /// Adds the radiance seen at a film position in pixels, times a weight.
+    #[allow(clippy::cast_possible_truncation, reason = "film positions are f32")]
+    pub fn sample(&mut self, x: f64, y: f64, weight: f64, radiance: &mut Radiance) {
+        let ray = self.scene.camera.ray(x as f32, y as f32);
+        let path = Path {
+            monomial: Monomial::default(),
+            weight,
+            depth: 0,
+            wavelength: None,
+            interior: None,
+        };
+        self.gather(&ray, path, radiance);
+    }
+
+    fn times(&mut self, path: Path, factor: Factor) -> Path {
+        let (monomial, weight) = self.monomials.times(path.monomial, path.weight, factor);
+        Path { monomial, weight, ..path }
+    }
+
+    fn add(&mut self, path: Path, factor: Factor, radiance: &mut Radiance) {
+        let Path { monomial, weight, .. } = self.times(path, factor);
+        radiance.add(monomial, weight);
+    }
+
+    /// Adds the light that comes back along a ray.
+    fn gather(&mut self, ray: &Ray, path: Path, radiance: &mut Radiance) {
+        self.rays += 1;
+        let scene = self.scene;
+        let Some(hit) = scene.world.closest_hit(ray) else { return };
+        let Some((material, emission)) = scene.surfaces.get(hit.shape as usize) else { return };
+        let direction = ray.direction.as_dvec3().normalize_or_zero();
+        let path = self.absorbed(path, ray, &hit);
+        if let (Some(emission), true) = (emission, hit.front) {
+            self.add(path, *emission, radiance);
+        }
+        match material.side(hit.front) {
+            None | Some(Material::TwoSided(_)) => {}
+            Some(Material::Diffuse(reflectance)) => {
+                self.diffuse(&hit, path, *reflectance, radiance)
+            }
+            Some(Material::Schlick { reflectance, roughness, isotropy }) => {
+                if let Some(model) = Schlick::new(*roughness, *isotropy) {
+                    self.schlick(&hit, direction, path, *reflectance, &model, radiance);
+                }
+            }
+            Some(Material::Mirror(factors)) => {
+                let cosine = -direction.dot(receiver(&hit).normal);
+                let shares =
+                    mirror_factors(factors, cosine).map(|(factor, share)| (Some(factor), share));
+                self.mirror(&hit, direction, path, &shares, radiance);
+            }
+            Some(Material::Dielectric(dielectric)) => {
+                self.dielectric(hit, direction, path, dielectric, radiance);
+            }
+        }
+    }
+
+    /// The path's light after its way through the medium it is in.
+    fn absorbed(&self, path: Path, ray: &Ray, hit: &Hit) -> Path {
+        let Some((Material::Dielectric(medium), _)) =
+            path.interior.and_then(|shape| self.scene.surfaces.get(shape as usize))
+        else {
+            return path;
+        };
+        let distance = f64::from((hit.position - ray.origin).length());
+        let remaining = medium.remaining(distance, path.wavelength.unwrap_or(0.0));
+        Path { weight: path.weight * remaining, ..path }
+    }
+
+    /// Lambertian reflection of all lights and of the ambient term.
+    fn diffuse(&mut self, hit: &Hit, path: Path, reflectance: Factor, radiance: &mut Radiance) {
+        let scene = self.scene;
+        let reflected = self.times(path, reflectance);
+        let receiver = receiver(hit);
+        for light in &scene.lights {
+            let mut irradiance = 0.0;
+            light.illuminate(&scene.world, &receiver, 0, |part| irradiance += part.irradiance);
+            let lit =
+                Path { weight: reflected.weight * irradiance / core::f64::consts::PI, ..reflected };
+            self.add(lit, light.factor(), radiance);
+        }
+        for ambient in &scene.ambient {
+            self.add(reflected, *ambient, radiance);
+        }
+    }
+
+    /// Schlick's model: S(u) = C + (1 − C) f becomes (1 − f) C + f, two products for each light.
+    fn schlick(
+        &mut self,
+        hit: &Hit,
+        direction: DVec3,
+        path: Path,
+        reflectance: Factor,
+        model: &Schlick<f64>,
+        radiance: &mut Radiance,
+    ) {
+        let scene = self.scene;
+        let receiver = receiver(hit);
+        let view = -direction;
+        let (tangent, _) = receiver.normal.any_orthonormal_pair();
+        let [_, glossy, specular] = model.weights();
+        let least = if glossy > 0.0 { GLOSSY_LEVEL } else { 0 };
+        let coloured = self.times(path, reflectance);
+        for light in &scene.lights {
+            let (mut with, mut without) = (0.0, 0.0);
+            light.illuminate(&scene.world, &receiver, least, |part| {
+                let (geometric, fresnel) = schlick_terms(model, &receiver, view, tangent, &part);
+                with += part.irradiance * geometric * (1.0 - fresnel);
+                without += part.irradiance * geometric * fresnel;
+            });
+            self.add(Path { weight: coloured.weight * with, ..coloured }, light.factor(), radiance);
+            self.add(Path { weight: path.weight * without, ..path }, light.factor(), radiance);
+        }
+        for ambient in &scene.ambient {
+            self.add(
+                Path { weight: coloured.weight * (1.0 - specular), ..coloured },
+                *ambient,
+                radiance,
+            );
+        }
+        if specular > 0.0 {
+            let fresnel = schlick_fresnel(view.dot(receiver.normal));
+            let shares =
+                [(Some(reflectance), specular * (1.0 - fresnel)), (None, specular * fresnel)];
+            self.mirror(hit, direction, path, &shares, radiance);
+        }
+    }
+
+    /// Mirror reflection: the light is gathered once, then multiplied by each factor times its share.
+    fn mirror(
+        &mut self,
+        hit: &Hit,
+        direction: DVec3,
+        path: Path,
+        shares: &[(Option<Factor>, f64)],
+        radiance: &mut Radiance,
+    ) {
+        let mut light = Radiance::default();
+        let unit = Path { monomial: Monomial::default(), ..path };
+        self.follow(&mirror_ray(hit, direction), unit, path.interior, &mut light);
+        for (factor, share) in shares {
+            let by = Path { weight: *share, ..path };
+            let by = factor.map_or(by, |factor| self.times(by, factor));
+            self.add_product(&light, by, radiance);
+        }
+    }
+
+    /// Adds gathered light times a path's products and weight.
+    fn add_product(&mut self, light: &Radiance, by: Path, radiance: &mut Radiance) {
+        for (monomial, weight) in light.terms() {
+            let product = self.monomials.product(by.monomial, *monomial);
+            radiance.add(product, by.weight * weight);
+        }
+        for (deferred, monomial, weight) in light.deferred() {
+            let product = self.monomials.product(by.monomial, *monomial);
+            radiance.defer(*deferred, product, by.weight * weight);
+        }
+    }
+
+    /// Follows a path one step further, unless it is too deep or counts for too little.
+    fn follow(&mut self, ray: &Ray, path: Path, interior: Option<u32>, radiance: &mut Radiance) {
+        if path.depth < self.scene.settings.max_depth && path.weight >= LEAST_WEIGHT {
+            self.gather(ray, Path { depth: path.depth + 1, interior, ..path }, radiance);
+        }
+    }
+
+    fn dielectric(
+        &mut self,
+        hit: Hit,
+        direction: DVec3,
+        path: Path,
+        dielectric: &Dielectric,
+        radiance: &mut Radiance,
+    ) {
+        if path.wavelength.is_none() && !dielectric.is_wavelength_free() {
+            let mut reflected = Radiance::default();
+            let unit = Path { monomial: Monomial::default(), ..path };
+            let by = self.times(unit, dielectric.reflectance);
+            self.follow(&mirror_ray(&hit, direction), by, path.interior, &mut reflected);
+            let interface =
+                Interface { hit, direction, depth: path.depth, reflected, weight: path.weight };
+            let number = u32::try_from(self.deferred.len()).unwrap_or(u32::MAX);
+            self.deferred.push(interface);
+            // The interface's own light already counts for the path's weight.
+            radiance.defer(Deferred(number), path.monomial, 1.0);
+            return;
+        }
+        let (share, refracted) =
+            boundary(dielectric, &hit, direction, path.wavelength.unwrap_or(0.0));
+        let mirrored =
+            self.times(Path { weight: path.weight * share, ..path }, dielectric.reflectance);
+        self.follow(&mirror_ray(&hit, direction), mirrored, path.interior, radiance);
+        if let Some(onward) = refracted {
+            self.refract(
+                &hit,
+                onward,
+                Path { weight: path.weight * (1.0 - share), ..path },
+                dielectric,
+                radiance,
+            );
+        }
+    }
+
+    /// Follows the light that passes a boundary. Radiance seen from the other side counts as it is: what it gains by
+    /// entering a medium it loses by leaving it, and camera and lights are outside.
+    fn refract(
+        &mut self,
+        hit: &Hit,
+        onward: DVec3,
+        path: Path,
+        dielectric: &Dielectric,
+        radiance: &mut Radiance,
+    ) {
+        let through = self.times(path, dielectric.transmittance);
+        let interior = hit.front.then_some(hit.shape);
+        self.follow(&hit.point().ray(single(onward)), through, interior, radiance);
+    }
+
+    /// The light of an interface at a wavelength: nothing in it is deferred.
+    fn expand(&mut self, number: usize, wavelength: f64) -> Radiance {
+        let mut light = Radiance::default();
+        let scene = self.scene;
+        let Some(interface) = self.deferred.get(number).cloned() else { return light };
+        let Some((Material::Dielectric(dielectric), _)) =
+            scene.surfaces.get(interface.hit.shape as usize)
+        else {
+            return light;
+        };
+        let (share, refracted) =
+            boundary(dielectric, &interface.hit, interface.direction, wavelength);
+        for (monomial, weight) in interface.reflected.terms() {
+            light.add(*monomial, share * weight);
+        }
+        for (nested, monomial, weight) in interface.reflected.deferred() {
+            let inner = self.expand(nested.0 as usize, wavelength);
+            for (factor, inner_weight) in inner.terms() {
+                let product = self.monomials.product(*monomial, *factor);
+                light.add(product, share * weight * inner_weight);
+            }
+        }
+        if let Some(onward) = refracted {
+            let path = Path {
+                monomial: Monomial::default(),
+                weight: interface.weight * (1.0 - share),
+                depth: interface.depth,
+                wavelength: Some(wavelength),
+                interior: None,
+            };
+            self.refract(&interface.hit, onward, path, dielectric, &mut light);
+        }
+        light
+    }
+}
+
+impl Tracer for Worker<'_> {
+    fn monomials(&self) -> &Monomials {
+        &self.monomials
+    }
+
+    fn trace(&mut self, deferred: Deferred, wavelength: f64) -> Radiance {
+        self.expand(deferred.0 as usize, wavelength)
+    }
+}
+
+/// The geometric term and Fresnel factor of Schlick's model for one part of a light.
+fn schlick_terms(
+    model: &Schlick<f64>,
+    receiver: &Receiver,
+    view: DVec3,
+    tangent: DVec3,
+    part: &Part,
+) -> (f64, f64) {
+    let half = (part.direction + view).normalize_or_zero();
+    let across = half - receiver.normal * half.dot(receiver.normal);
+    let v = view.dot(receiver.normal).clamp(0.0, 1.0);
+    let v_light = part.direction.dot(receiver.normal).clamp(0.0, 1.0);
+    let t = half.dot(receiver.normal).clamp(0.0, 1.0);
+    let w = across.normalize_or(tangent).dot(tangent);
+    let u = half.dot(part.direction).clamp(0.0, 1.0);
+    (model.geometric(t, v, v_light, w), schlick_fresnel(u))
+}
+
+/// The surface element that was hit, on the side that was seen.
+fn receiver(hit: &Hit) -> Receiver {
+    let side = if hit.front { 1.0 } else { -1.0 };
+    Receiver {
+        point: hit.point(),
+        position: hit.position.as_dvec3(),
+        normal: hit.shading_normal.as_dvec3() * side,
+        geometric: hit.geometric_normal.as_dvec3() * side,
+    }
+}
+
+fn mirror_ray(hit: &Hit, direction: DVec3) -> Ray {
+    let normal = receiver(hit).normal;
+    hit.point().ray(single(direction - normal * (2.0 * direction.dot(normal))))
+}
+
+/// The share of light that a boundary reflects at a wavelength, and the direction in which the rest goes on.
+fn boundary(
+    dielectric: &Dielectric,
+    hit: &Hit,
+    direction: DVec3,
+    wavelength: f64,
+) -> (f64, Option<DVec3>) {
+    let normal = receiver(hit).normal;
+    let relative = dielectric.relative_index(wavelength);
+    let eta = if hit.front { relative } else { 1.0 / relative };
+    let cosine = (-direction.dot(normal)).clamp(0.0, 1.0);
+    match dielectric_fresnel(cosine, eta) {
+        None => (1.0, None),
+        Some((share, refracted)) => (
+            share,
+            Some((direction / eta + normal * (cosine / eta - refracted)).normalize_or_zero()),
+        ),
+    }
+}

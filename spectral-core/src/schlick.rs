@@ -1,0 +1,129 @@
+//! Schlick's reflectance model: the geometric factors, and the spectral term's Fresnel factor.
+
+use crate::Real;
+
+/// The roughness and isotropy of Schlick's single-layer model (C. Schlick, *An Inexpensive BRDF Model for Physically-based
+/// Rendering*, Computer Graphics Forum 13(3), 1994), whose spectral and geometric terms Iehl and Péroche (2000, §3.1) use.
+///
+/// The BRDF is S(u) D(t, v, v′, w) in 1/sr with S(u) = C + (1 − C)(1 − u)⁵ and cosines t (normal and half vector), u (light and half
+/// vector), v and v′ (normal and the two directions), w (tangent and projected half vector). The geometric term is
+/// D = a/π + b B/(4π v v′) + c δ/…: b = 4r(1 − r), and the rest 1 − b is ideal specular (c) for r < ½, Lambertian (a)
+/// for r ≥ ½ (equation 31 and below). B is the version with shadowing re-emitted diffusely, B/(4π v v′) =
+/// G(v) G(v′) Z(t) A(w) / (4π v v′) + (1 − G(v) G(v′))/π.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Schlick<R> {
+    roughness: R,
+    isotropy: R,
+}
+
+impl<R: Real> Schlick<R> {
+    /// A model with roughness r in [0, 1] (0 specular, 1 diffuse) and isotropy p in (0, 1] (1 isotropic); `None` outside.
+    pub fn new(roughness: R, isotropy: R) -> Option<Self> {
+        let valid =
+            roughness >= R::ZERO && roughness <= R::ONE && isotropy > R::ZERO && isotropy <= R::ONE;
+        valid.then_some(Self { roughness, isotropy })
+    }
+
+    /// The weights of the Lambertian, the glossy and the ideal specular part, which add up to 1.
+    pub fn weights(&self) -> [R; 3] {
+        let glossy = R::from_f64(4.0) * self.roughness * (R::ONE - self.roughness);
+        let rest = R::ONE - glossy;
+        if self.roughness < R::HALF { [R::ZERO, glossy, rest] } else { [rest, glossy, R::ZERO] }
+    }
+
+    /// The Lambertian and glossy parts of D in 1/sr, for cosines t, v, v′ in [0, 1] and w in [−1, 1]; 0 where v or v′ is not positive.
+    ///
+    /// Symmetric in v and v′, to the bit. At most about 1/(4π r² p^½ v v′).
+    pub fn geometric(&self, t: R, v: R, v_prime: R, w: R) -> R {
+        if !(v > R::ZERO && v_prime > R::ZERO) {
+            return R::ZERO;
+        }
+        let [diffuse, glossy, _] = self.weights();
+        let mut sum = diffuse / R::PI;
+        if glossy > R::ZERO {
+            let shadowing = self.shadowing(v) * self.shadowing(v_prime);
+            let lobe = shadowing * self.zenith(t) * self.azimuth(w)
+                / (R::from_f64(4.0) * R::PI * (v * v_prime));
+            sum += glossy * (lobe + (R::ONE - shadowing) / R::PI);
+        }
+        sum
+    }
+
+    /// Smith's shadowing as Schlick has it: G(v) = v / (r − r v + v).
+    fn shadowing(&self, v: R) -> R {
+        v / (self.roughness - self.roughness * v + v)
+    }
+
+    /// Z(t) = r / (1 + r t² − t²)².
+    fn zenith(&self, t: R) -> R {
+        let t2 = t * t;
+        let below = (R::ONE - t2).max(R::ZERO) + self.roughness * t2;
+        self.roughness / (below * below)
+    }
+
+    /// A(w) = √(p / (p² − p² w² + w²)).
+    fn azimuth(&self, w: R) -> R {
+        let (p2, w2) = (self.isotropy * self.isotropy, w * w);
+        (self.isotropy / (p2 - p2 * w2 + w2)).sqrt()
+    }
+}
+
+/// Schlick's Fresnel factor (1 − u)⁵ for the cosine u in [0, 1] between light and half vector; limited to [0, 1].
+pub fn schlick_fresnel<R: Real>(u: R) -> R {
+    let x = (R::ONE - u).clamp(R::ZERO, R::ONE);
+    let x2 = x * x;
+    x2 * x2 * x
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Schlick, schlick_fresnel};
+
+    /// Albedo of the non-specular parts by midpoint quadrature over the hemisphere.
+    fn albedo(model: &Schlick<f64>, v: f64) -> f64 {
+        let (steps, around) = (400, 200);
+        let view = [(1.0 - v * v).sqrt(), 0.0, v];
+        let mut sum = 0.0;
+        for i in 0..steps {
+            for j in 0..around {
+                let u = (f64::from(i) + 0.5) / f64::from(steps);
+                let phi = core::f64::consts::TAU * (f64::from(j) + 0.5) / f64::from(around);
+                // Equal parts of projected solid angle.
+                let sine = libm::sqrt(u);
+                let light = [sine * libm::cos(phi), sine * libm::sin(phi), libm::sqrt(1.0 - u)];
+                let half: [f64; 3] = core::array::from_fn(|a| view[a] + light[a]);
+                let length = libm::sqrt(half.iter().map(|h| h * h).sum());
+                let t = half[2] / length;
+                let across = libm::hypot(half[0], half[1]);
+                let w = if across > 0.0 { half[0] / across } else { 0.0 };
+                sum += model.geometric(t, v, light[2], w);
+            }
+        }
+        sum * core::f64::consts::PI / f64::from(steps * around)
+    }
+
+    #[test]
+    fn loses_no_more_than_it_receives() {
+        for r in [0.1, 0.3, 0.5, 0.8, 1.0] {
+            let model = Schlick::<f64>::new(r, 1.0).unwrap();
+            let [diffuse, glossy, specular] = model.weights();
+            assert!((diffuse + glossy + specular - 1.0).abs() <= 1e-15);
+            for v in [0.2, 0.5, 0.9, 1.0] {
+                let reflected = albedo(&model, v) + specular;
+                assert!(reflected <= 1.01, "r {r} v {v}: {reflected}");
+            }
+        }
+        let lambert = Schlick::<f64>::new(1.0, 1.0).unwrap();
+        assert!((albedo(&lambert, 0.4) - 1.0).abs() <= 1e-12);
+    }
+
+    #[test]
+    fn is_reciprocal_and_refuses_what_is_outside() {
+        let model = Schlick::new(0.3_f32, 0.4).unwrap();
+        assert_eq!(model.geometric(0.9, 0.3, 0.8, 0.2), model.geometric(0.9, 0.8, 0.3, 0.2));
+        assert!(Schlick::new(f64::NAN, 1.0).is_none() && Schlick::new(0.5, 0.0).is_none());
+        assert_eq!(schlick_fresnel(1.0_f64), 0.0);
+        assert_eq!(schlick_fresnel(0.0_f32), 1.0);
+        assert_eq!(model.geometric(0.5, 0.0, 0.5, 0.0), 0.0);
+    }
+}
