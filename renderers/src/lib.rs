@@ -1,1 +1,3 @@
 //! Reference renderers on `spectral-core`, with scenes, images and reports: what the `spectral` command is made of.
+
+pub mod image;
