@@ -19,6 +19,8 @@ use super::{
 const DEPTH: u8 = 10;
 /// The most intervals of one colour.
 const MAX_PIECES: usize = 512;
+/// Subdivisions are recorded for colours up to this luminance, relative to white; brighter ones are evaluated afresh.
+const BRIGHTEST: f64 = 64.0;
 /// Products on intervals down to this level are kept by each thread.
 const KEPT_LEVELS: u8 = 6;
 
@@ -153,28 +155,32 @@ impl<'a> Intervals<'a> {
         }
     }
 
-    /// A single product: read from its recorded subdivision.
-    fn scaled(&mut self, monomials: &Monomials, monomial: Monomial, scale: f64) -> Colour {
+    /// A single product: read from its recorded subdivision; `None` when it is brighter than that was recorded for.
+    ///
+    /// What is recorded doesn't depend on the pixels met before, so that colours don't depend on the order of pixels.
+    fn scaled(&mut self, monomials: &Monomials, monomial: Monomial, scale: f64) -> Option<Colour> {
         if self.recorded.len() <= monomial.index() {
             self.recorded.resize(monomial.index() + 1, None);
         }
-        let known = self.recorded[monomial.index()].as_ref().is_some_and(|r| scale <= r.largest);
-        if !known {
-            self.recorded[monomial.index()] = Some(self.record(monomials, monomial, 4.0 * scale));
+        if self.recorded[monomial.index()].is_none() {
+            self.recorded[monomial.index()] = Some(self.record(monomials, monomial));
         }
-        let Some(recorded) = &self.recorded[monomial.index()] else { return Colour::default() };
-        let found = Subdivision::from_stages(&recorded.stages, self.shared.white, recorded.status)
-            .at_scale(scale);
-        Colour {
+        let recorded = self.recorded[monomial.index()].as_ref().filter(|r| scale <= r.largest)?;
+        let subdivision = Subdivision::from_stages(&recorded.stages, self.shared.white, recorded.status);
+        let found = subdivision.at_scale(scale);
+        Some(Colour {
             xyz: normalised(found.xyz),
             delta_e: found.delta_e,
             path_delta_e: 0.0,
             intervals: found.intervals,
-        }
+        })
     }
 
-    fn record(&mut self, monomials: &Monomials, monomial: Monomial, largest: f64) -> Recorded {
+    fn record(&mut self, monomials: &Monomials, monomial: Monomial) -> Recorded {
         let shared = self.shared;
+        let root = self.products.get(shared, monomials, monomial, Node::ROOT);
+        let [_, luminance, _] = root.tristimulus(&shared.domain.weight(Node::ROOT));
+        let largest = BRIGHTEST * shared.white[1] / luminance.abs().max(f64::MIN_POSITIVE);
         let mut stages = vec![Stage::default(); MAX_PIECES];
         let terms = [(monomial, 1.0)];
         let mut sources = Terms { shared, monomials, terms: &terms, products: &mut self.products };
@@ -255,7 +261,10 @@ impl Resolver for Intervals<'_> {
     fn resolve(&mut self, radiance: &Radiance, tracer: &mut dyn Tracer) -> Colour {
         match (radiance.terms(), radiance.deferred()) {
             ([], []) => Colour { intervals: 1, ..Colour::default() },
-            ([(monomial, scale)], []) => self.scaled(tracer.monomials(), *monomial, *scale),
+            ([(monomial, scale)], []) => {
+                let found = self.scaled(tracer.monomials(), *monomial, *scale);
+                found.unwrap_or_else(|| self.general(radiance, tracer))
+            }
             _ => self.general(radiance, tracer),
         }
     }
@@ -384,10 +393,10 @@ impl Sources<f64> for Pixel<'_, '_> {
             // Without a radius of its own, the first order counts the path's error with the spectrum's.
             Order::First => {
                 light.error =
-                    core::array::from_fn(|a| light.error[a] + estimate[a].copysign(light.error[a]))
+                    core::array::from_fn(|a| light.error[a] + estimate[a].copysign(light.error[a]));
             }
             Order::Certified => {
-                light.radius = core::array::from_fn(|a| light.radius[a] + estimate[a])
+                light.radius = core::array::from_fn(|a| light.radius[a] + estimate[a]);
             }
         }
         let weight = self.shared.domain.weight(node);

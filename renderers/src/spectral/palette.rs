@@ -67,10 +67,10 @@ impl Palette {
     /// The factor `scale` times a spectrum, equal up to a number or not to one that is there already.
     pub fn leaf(&mut self, spectrum: Tabulated, scale: f64, role: Role) -> Factor {
         for (number, (known, known_role)) in (0..).zip(&self.leaves) {
-            if *known_role == role {
-                if let Some(ratio) = spectrum.ratio_to(known) {
-                    return Factor { scale: scale * ratio, leaf: Some(number) };
-                }
+            if *known_role == role
+                && let Some(ratio) = spectrum.ratio_to(known)
+            {
+                return Factor { scale: scale * ratio, leaf: Some(number) };
             }
         }
         let leaf = u32::try_from(self.leaves.len()).ok();

@@ -16,7 +16,7 @@ pub fn delta_e_ab<R: Real>(first: [R; 3], second: [R; 3]) -> R {
     (l * l + a * a + b * b).sqrt()
 }
 
-/// The CIEDE2000 colour difference ΔE00 of two colours (L\*, a\*, b\*), with k_L = k_C = k_H = 1.
+/// The CIEDE2000 colour difference ΔE00 of two colours (L\*, a\*, b\*), with unit parametric factors.
 ///
 /// Fitted to differences of surface colours up to about 5 units; larger values order colours, no more. Symmetric to
 /// rounding. The formula jumps where two hues are 180° apart, by up to a few percent; exactly opposite hues take the
@@ -38,7 +38,7 @@ pub fn delta_e_00<R: Real>(first: [R; 3], second: [R; 3]) -> R {
     delta_e_00_weighted(first, second, [R::ONE; 3])
 }
 
-/// [`delta_e_00`] with the parametric factors (k_L, k_C, k_H) of the viewing conditions, which must be positive;
+/// [`delta_e_00`] with the parametric factors `[k_L, k_C, k_H]` of the viewing conditions, which must be positive;
 /// textiles are often compared with k_L = 2.
 #[must_use]
 pub fn delta_e_00_weighted<R: Real>(first: [R; 3], second: [R; 3], [k_l, k_c, k_h]: [R; 3]) -> R {

@@ -1,0 +1,213 @@
+//! Rendering a scene to pictures: the loop over pixels, the same for every spectral representation.
+
+use core::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::Mutex;
+use std::time::Instant;
+
+use spectral_core::colour::rgb;
+
+use crate::geometry::filter::Filter;
+use crate::geometry::sampling::Sobol;
+use crate::image::{ImageError, Picture, Raster, ScalarMap};
+use crate::scene::{self, Scene};
+use crate::spectral::{
+    Colour, Components, IntervalMemory, IntervalSettings, Intervals, Palette, Radiance, Resolver, SharedIntervals,
+    Uniform, UniformBins,
+};
+use crate::whitted::{RenderError, Whitted, Worker};
+
+/// Pixels along the side of the squares that threads take in turn.
+const TILE: usize = 16;
+
+/// How spectra are represented.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Spectra {
+    /// Adaptive intervals with a colour bound.
+    Interval(IntervalSettings),
+    /// Equal bins over 380–780 nm.
+    Uniform(usize),
+    /// The naive product of three components.
+    Rgb,
+}
+
+impl core::fmt::Display for Spectra {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self {
+            Self::Interval(_) => write!(f, "interval"),
+            Self::Uniform(count) => write!(f, "uniform:{count}"),
+            Self::Rgb => write!(f, "rgb"),
+        }
+    }
+}
+
+/// How a scene is to be rendered.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Options {
+    /// How spectra are represented.
+    pub spectra: Spectra,
+    /// Image size in pixels; `None`: the scene's.
+    pub size: Option<[u32; 2]>,
+    /// Camera rays per pixel; `None`: the scene's.
+    pub samples: Option<u32>,
+    /// Seed of the sample positions; `None`: the scene's.
+    pub seed: Option<u64>,
+}
+
+/// A rendered picture, with what is known of each pixel.
+#[derive(Clone, Debug)]
+pub struct Rendering {
+    /// Linear Rec. 709, Y = 1 for a flat radiance of 1.
+    pub picture: Picture,
+    /// Intervals (bins, components) that each pixel took.
+    pub intervals: ScalarMap,
+    /// The bound of ΔE*ab of each pixel; `None` for representations without one.
+    pub delta_e: Option<ScalarMap>,
+    /// The part of the bound that is an estimate of deferred paths' errors.
+    pub path_delta_e: Option<ScalarMap>,
+    /// Rays traced from the eye, reflected and refracted ones included, shadow rays not.
+    pub rays: u64,
+    /// Time for all pixels, without reading the scene and preparing its spectra.
+    pub seconds: f64,
+    /// Time for preparing: the hierarchy, and the spectra on intervals or bins.
+    pub preparation_seconds: f64,
+}
+
+/// Renders a scene by Whitted's ray tracing on all threads of the current rayon pool. `progress` is told how many pixels have been
+/// finished, from any thread.
+///
+/// The result doesn't depend on the number of threads.
+///
+/// # Errors
+/// What the scene asks for and this renderer can't do.
+pub fn render(scene: &Scene, options: &Options, progress: &(dyn Fn(usize) + Sync)) -> Result<Rendering, RenderError> {
+    let start = Instant::now();
+    let size = options.size.unwrap_or([scene.film.width, scene.film.height]);
+    let mut palette = Palette::default();
+    let whitted = Whitted::new(scene, size, &mut palette)?;
+    let frame = Frame {
+        size: size.map(|s| s as usize),
+        samples: options.samples.unwrap_or(scene.sampler.sample_count).max(1),
+        seed: options.seed.unwrap_or(scene.sampler.seed),
+        filter: filter(scene.film.filter),
+        scene: &whitted,
+        progress,
+    };
+    let (pixels, prepared) = match options.spectra {
+        Spectra::Interval(settings) => {
+            let mut memory = IntervalMemory::default();
+            let shared = SharedIntervals::new(&palette, settings, &mut memory).map_err(RenderError::new)?;
+            (frame.trace(start, || Intervals::new(&shared)), true)
+        }
+        Spectra::Uniform(count) => {
+            let bins = UniformBins::new(&palette, count).map_err(RenderError::new)?;
+            (frame.trace(start, || Uniform::new(&bins)), false)
+        }
+        Spectra::Rgb => {
+            let components = Components::new(&palette).map_err(RenderError::new)?;
+            (frame.trace(start, || &components), false)
+        }
+    };
+    pixels.into_rendering(frame.size, prepared).map_err(|e| RenderError::new(e.to_string()))
+}
+
+fn filter(filter: scene::Filter) -> Filter {
+    match filter {
+        scene::Filter::Box => Filter::Box,
+        scene::Filter::Tent { radius } => Filter::Tent { radius },
+        scene::Filter::Gaussian { stddev } => Filter::Gaussian { stddev },
+    }
+}
+
+/// What all threads share.
+struct Frame<'s> {
+    size: [usize; 2],
+    samples: u32,
+    seed: u64,
+    filter: Filter,
+    scene: &'s Whitted,
+    progress: &'s (dyn Fn(usize) + Sync),
+}
+
+/// The colours of all pixels, row by row.
+struct Pixels {
+    colours: Vec<Colour>,
+    rays: u64,
+    seconds: f64,
+    preparation_seconds: f64,
+}
+
+impl Frame<'_> {
+    /// Renders all tiles, each by whichever thread is free; each thread has one resolver.
+    fn trace<R: Resolver>(&self, start: Instant, resolver: impl Fn() -> R + Sync) -> Pixels {
+        let preparation_seconds = start.elapsed().as_secs_f64();
+        let traced = Instant::now();
+        let [width, height] = self.size;
+        let across = width.div_ceil(TILE);
+        let tiles = across * height.div_ceil(TILE);
+        let next = AtomicUsize::new(0);
+        let shared = Mutex::new((vec![Colour::default(); width * height], 0_u64));
+        rayon::broadcast(|_| {
+            let mut worker = Worker::new(self.scene);
+            let mut resolver = resolver();
+            let mut colours = Vec::with_capacity(TILE * TILE);
+            loop {
+                let tile = next.fetch_add(1, Ordering::Relaxed);
+                if tile >= tiles {
+                    break;
+                }
+                let (left, top) = (tile % across * TILE, tile / across * TILE);
+                let (right, bottom) = ((left + TILE).min(width), (top + TILE).min(height));
+                colours.clear();
+                for y in top..bottom {
+                    colours.extend((left..right).map(|x| self.pixel(x, y, &mut worker, &mut resolver)));
+                }
+                if let Ok(mut shared) = shared.lock() {
+                    for (row, y) in colours.chunks(right - left).zip(top..bottom) {
+                        shared.0[y * width + left..y * width + right].copy_from_slice(row);
+                    }
+                }
+                (self.progress)(colours.len());
+            }
+            if let Ok(mut shared) = shared.lock() {
+                shared.1 += worker.rays();
+            }
+        });
+        let (colours, rays) = shared.into_inner().unwrap_or_default();
+        Pixels { colours, rays, seconds: traced.elapsed().as_secs_f64(), preparation_seconds }
+    }
+
+    /// One pixel: all its camera rays in one expression, evaluated once.
+    #[allow(clippy::cast_precision_loss, reason = "pixel coordinates")]
+    fn pixel<R: Resolver>(&self, x: usize, y: usize, worker: &mut Worker<'_>, resolver: &mut R) -> Colour {
+        worker.start_pixel();
+        let mut radiance = Radiance::default();
+        let weight = 1.0 / f64::from(self.samples);
+        let sobol = Sobol::for_pixel(self.seed, x, y);
+        for sample in 0..self.samples {
+            let [dx, dy] = self.filter.sample(sobol.point(sample));
+            worker.sample(x as f64 + 0.5 + dx, y as f64 + 0.5 + dy, weight, &mut radiance);
+        }
+        resolver.resolve(&radiance, worker)
+    }
+}
+
+impl Pixels {
+    fn into_rendering(self, [width, height]: [usize; 2], bounded: bool) -> Result<Rendering, ImageError> {
+        let raster = Raster::from_pixels(width, height, self.colours)?;
+        Ok(Rendering {
+            picture: raster.map(|c| rgb::xyz_to_linear_rgb(c.xyz).map(single)),
+            #[allow(clippy::cast_precision_loss, reason = "at most some hundred")]
+            intervals: raster.map(|c| c.intervals as f32),
+            delta_e: bounded.then(|| raster.map(|c| single(c.delta_e))),
+            path_delta_e: bounded.then(|| raster.map(|c| single(c.path_delta_e))),
+            rays: self.rays,
+            seconds: self.seconds,
+            preparation_seconds: self.preparation_seconds,
+        })
+    }
+}
+
+#[allow(clippy::cast_possible_truncation, reason = "pictures are kept in f32")]
+fn single(value: f64) -> f32 {
+    value as f32
+}
