@@ -459,7 +459,8 @@ pub enum Emitter {
         radiance: SpectrumId,
     },
     /// The constant ambient term that stands for indirect light (the constant L_ind of Iehl and Péroche 2000): every
-    /// surface that scatters diffusely sends out this radiance times its reflectance, unoccluded.
+    /// surface that scatters diffusely sends out this radiance times its reflectance, unoccluded. Renderers that compute
+    /// indirect light leave it out.
     Ambient {
         /// Radiance.
         radiance: SpectrumId,
