@@ -83,6 +83,10 @@ mod xml;
 pub use bsdf::DISPERSIVE_GLASSES;
 pub use data::*;
 pub use error::SceneError;
+pub use glam;
 pub use load::load;
 pub use source::Source;
 pub use spectrum::parse_file as parse_spectrum_file;
+
+#[cfg(test)]
+mod tests;
