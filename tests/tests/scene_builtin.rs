@@ -1,4 +1,5 @@
 //! The built-in scenes: complete, right way round, and the same when exported.
+#![allow(clippy::panic, reason = "how helpers of tests fail")]
 
 use std::path::PathBuf;
 
@@ -12,7 +13,7 @@ use renderers::scene::{
 const MIDDLE: DVec3 = DVec3::new(278.0, 400.0, 280.0);
 
 fn built_in(name: &str) -> Scene {
-    builtin::load(name, &[]).unwrap()
+    builtin::load(name, &[]).unwrap_or_else(|error| panic!("{error}"))
 }
 
 fn shape<'s>(scene: &'s Scene, id: &str) -> &'s Shape {
@@ -310,7 +311,7 @@ fn every_scene_file_is_embedded() {
                 panic!("{name}")
             };
             core::iter::once(name)
-                .chain(assets.into_iter().map(|(asset, _)| asset.into_owned()))
+                .chain(assets.into_iter().map(|(asset, _)| asset))
                 .collect::<Vec<_>>()
         })
         .collect();

@@ -1,4 +1,5 @@
 //! Bad scenes: each is refused with the line at fault and a message that says why, and nothing panics.
+#![allow(clippy::panic, reason = "how helpers of tests fail")]
 
 use renderers::scene::{Scene, SceneError, Source, builtin, load};
 
@@ -438,5 +439,5 @@ fn builtin_assets(xml: String) -> Result<Scene, SceneError> {
     let Some(Source::Memory { assets, .. }) = builtin::source("cornell-box-spheres") else {
         unreachable!()
     };
-    load(&Source::Memory { name: "s.xml".into(), xml: xml.into(), assets }, &[])
+    load(&Source::Memory { name: "s.xml".into(), xml, assets }, &[])
 }

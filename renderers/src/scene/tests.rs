@@ -185,17 +185,23 @@ fn flat_shapes_keep_their_front_under_mirroring_and_lose_it_by_flipping() {
 }
 
 #[test]
-fn spheres_move_and_grow_with_their_transform() {
-    let scene = read(
-        "<shape type='sphere'><point name='center' value='1 0 0'/><float name='radius' value='2'/>
-         <transform name='to_world'><rotate z='1' angle='90'/><scale value='-3'/><translate y='1'/></transform>
-         <boolean name='flip_normals' value='true'/></shape>",
-    );
-    let Geometry::Sphere { center, radius, inward } = scene.shapes[0].geometry else {
-        unreachable!()
+fn spheres_move_and_grow_with_their_transform_and_mirroring_turns_them_inside_out() {
+    let sphere = |scale: &str, flip: &str| {
+        let scene = read(&format!(
+            "<shape type='sphere'><point name='center' value='1 0 0'/><float name='radius' value='2'/>
+             <transform name='to_world'><rotate z='1' angle='90'/><scale value='{scale}'/><translate y='1'/></transform>
+             <boolean name='flip_normals' value='{flip}'/></shape>"
+        ));
+        let Geometry::Sphere { center, radius, inward } = scene.shapes[0].geometry else {
+            unreachable!()
+        };
+        assert!((radius - 6.0).abs() <= 1e-14);
+        (center, inward)
     };
+    let (center, inward) = sphere("-3", "false");
     assert_near(center, DVec3::new(0.0, -2.0, 0.0));
-    assert!((radius - 6.0).abs() <= 1e-14 && inward);
+    assert!(inward && sphere("3", "true").1 && sphere("3 3 -3", "false").1);
+    assert!(!sphere("3", "false").1 && !sphere("-3", "true").1 && !sphere("-3 -3 3", "false").1);
 }
 
 /// Six times the volume that a closed mesh encloses: positive if its front is outside.
