@@ -33,7 +33,7 @@ pub struct Scene {
     pub sampler: Sampler,
     /// Surfaces, in the file's order.
     pub shapes: Vec<Shape>,
-    /// Materials: those declared at the top of the scene first met first, then those nested in shapes.
+    /// Materials, in the order in which the file first declares or refers to them.
     pub bsdfs: Vec<Bsdf>,
     /// Lights, in the file's order.
     pub emitters: Vec<Emitter>,
@@ -272,7 +272,7 @@ pub enum Geometry {
         center: DVec3,
         /// Radius, positive.
         radius: f64,
-        /// Whether the front is the inside.
+        /// Whether the front is the inside: flipped or mirrored, but not both.
         inward: bool,
     },
     /// Triangles.
@@ -459,7 +459,8 @@ pub enum Emitter {
         radiance: SpectrumId,
     },
     /// The constant ambient term that stands for indirect light (the constant L_ind of Iehl and Péroche 2000): every
-    /// surface that scatters diffusely sends out this radiance times its reflectance, unoccluded.
+    /// surface that scatters diffusely sends out this radiance times its reflectance, unoccluded. Renderers that compute
+    /// indirect light leave it out.
     Ambient {
         /// Radiance.
         radiance: SpectrumId,

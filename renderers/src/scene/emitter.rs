@@ -73,7 +73,7 @@ fn light<'a>(
 
 /// The place of a point light: its `position`, or where `to_world` takes the origin.
 fn position(props: &mut Props<'_>) -> Result<DVec3, SceneError> {
-    let (node, to_world) = props.to_world()?;
+    let (node, to_world) = props.transform()?;
     let Some((given, position)) = props.vector("position", "point")? else {
         return Ok(to_world.translation);
     };
@@ -85,7 +85,7 @@ fn position(props: &mut Props<'_>) -> Result<DVec3, SceneError> {
 
 /// The way of parallel light: its `direction`, or where `to_world` takes +z; unit.
 fn direction(props: &mut Props<'_>) -> Result<DVec3, SceneError> {
-    let (node, to_world) = props.to_world()?;
+    let (node, to_world) = props.transform()?;
     let (node, direction) = match props.vector("direction", "vector")? {
         Some((given, _)) if node.tag() == "transform" => {
             return Err(given.error("\"direction\" excludes \"to_world\""));

@@ -1,6 +1,6 @@
 //! The properties of one object element: taken by name and type, and none left over.
 
-use std::str::FromStr;
+use core::str::FromStr;
 
 use glam::{DAffine3, DVec3};
 
@@ -149,7 +149,7 @@ impl<'a> Props<'a> {
     }
 
     /// Takes the `<transform name="to_world">`, identity if there is none; the element is for messages.
-    pub(crate) fn to_world(&mut self) -> Result<(Node<'a>, DAffine3), SceneError> {
+    pub(crate) fn transform(&mut self) -> Result<(Node<'a>, DAffine3), SceneError> {
         let Some(node) = self.take("to_world") else { return Ok((self.node, DAffine3::IDENTITY)) };
         expect_tag(node, "to_world", &["transform"])?;
         Ok((node, transform::parse(node)?))

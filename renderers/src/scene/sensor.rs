@@ -61,7 +61,7 @@ pub(crate) fn sensor(mut props: Props<'_>) -> Result<(Camera, Film, Sampler), Sc
 }
 
 fn camera(props: &mut Props<'_>) -> Result<Camera, SceneError> {
-    let (at, to_world) = props.to_world()?;
+    let (at, to_world) = props.transform()?;
     let (deviation, scale) = similarity(&to_world);
     if !(deviation <= RIGID_TOLERANCE && (scale - 1.0).abs() <= RIGID_TOLERANCE) {
         return Err(at.error("a camera can be rotated and moved, not scaled"));
@@ -84,7 +84,7 @@ fn camera(props: &mut Props<'_>) -> Result<Camera, SceneError> {
     };
     let near_clip = props.float_where("near_clip", 1e-2, |near| near > 0.0, "positive")?;
     let far_clip = props.float_where("far_clip", 1e4, |far| far > near_clip, "beyond near_clip")?;
-    if !(far_clip > near_clip) {
+    if far_clip <= near_clip {
         return Err(props.node().error("\"near_clip\" must be below \"far_clip\""));
     }
     Ok(Camera { to_world, fov, fov_axis, near_clip, far_clip })

@@ -33,7 +33,7 @@ fn geometry<'a>(loader: &Loader<'a>, props: &mut Props<'a>) -> Result<Geometry, 
     if !TYPES.contains(&kind) {
         return Err(unsupported(props.node(), "shape type", kind, &TYPES));
     }
-    let (at, to_world) = props.to_world()?;
+    let (at, to_world) = props.transform()?;
     let flip = props.boolean("flip_normals")?;
     match kind {
         "rectangle" => rectangle(at, &to_world, flip),
@@ -55,7 +55,8 @@ fn plane_normal(at: Node<'_>, to_world: &DAffine3, flip: bool) -> Result<DVec3, 
 
 fn rectangle(at: Node<'_>, to_world: &DAffine3, flip: bool) -> Result<Geometry, SceneError> {
     let (half_u, half_v) = (to_world.matrix3.x_axis, to_world.matrix3.y_axis);
-    if !(half_u.dot(half_v).abs() <= ANGLE_TOLERANCE * half_u.length() * half_v.length()) {
+    let square = half_u.dot(half_v).abs() <= ANGLE_TOLERANCE * half_u.length() * half_v.length();
+    if !square {
         return Err(at.error("the transform shears the rectangle: use a mesh"));
     }
     Ok(Geometry::Rectangle {
@@ -84,14 +85,17 @@ fn sphere(
     props: &mut Props<'_>,
     at: Node<'_>,
     to_world: &DAffine3,
-    inward: bool,
+    flip: bool,
 ) -> Result<Geometry, SceneError> {
     let center = props.vector("center", "point")?.map_or(DVec3::ZERO, |(_, center)| center);
     let radius = props.float_where("radius", 1.0, |r| r > 0.0, "positive")?;
     let (deviation, scale) = similarity(to_world);
-    if !(deviation <= ANGLE_TOLERANCE) {
+    let round = deviation <= ANGLE_TOLERANCE;
+    if !round {
         return Err(at.error("the transform makes the sphere an ellipsoid: scale x, y and z alike"));
     }
+    // Mitsuba turns a sphere inside out by mirroring it, though not the other shapes.
+    let inward = flip != (to_world.matrix3.determinant() < 0.0);
     Ok(Geometry::Sphere {
         center: to_world.transform_point3(center),
         radius: radius * scale,

@@ -1,6 +1,5 @@
 //! Where a scene's files come from: a folder on disk, or texts in memory (the built-in scenes).
 
-use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 
 use super::SceneError;
@@ -15,9 +14,9 @@ pub enum Source {
         /// File name for messages, such as `cornell-box.xml`.
         name: String,
         /// The XML text.
-        xml: Cow<'static, str>,
+        xml: String,
         /// Names, as the scene writes them, and texts of spectra and meshes.
-        assets: Vec<(Cow<'static, str>, Cow<'static, str>)>,
+        assets: Vec<(String, String)>,
     },
 }
 
@@ -30,17 +29,13 @@ impl Source {
 
     /// A scene text in memory with no files beside it.
     #[must_use]
-    pub fn text(name: impl Into<String>, xml: impl Into<Cow<'static, str>>) -> Self {
+    pub fn text(name: impl Into<String>, xml: impl Into<String>) -> Self {
         Self::Memory { name: name.into(), xml: xml.into(), assets: Vec::new() }
     }
 
     /// The same with one more file, if this is a scene in memory; a scene on disk stays as it is.
     #[must_use]
-    pub fn with_asset(
-        mut self,
-        name: impl Into<Cow<'static, str>>,
-        text: impl Into<Cow<'static, str>>,
-    ) -> Self {
+    pub fn with_asset(mut self, name: impl Into<String>, text: impl Into<String>) -> Self {
         if let Self::Memory { assets, .. } = &mut self {
             assets.push((name.into(), text.into()));
         }
@@ -65,40 +60,33 @@ impl Source {
     }
 
     /// The XML text.
-    pub(crate) fn read_scene(&self) -> Result<Cow<'_, str>, SceneError> {
+    pub(crate) fn read_scene(&self) -> Result<String, SceneError> {
         let path = match self {
-            Self::Memory { xml, .. } => return Ok(Cow::Borrowed(xml)),
+            Self::Memory { xml, .. } => return Ok(xml.clone()),
             Self::Disk(path) => path,
         };
         let refuse = |message: String| SceneError::new(&self.file_name(), (0, 0), "", message);
         let bytes =
             std::fs::read(path).map_err(|e| refuse(format!("cannot read the scene: {e}")))?;
-        String::from_utf8(bytes)
-            .map(Cow::Owned)
-            .map_err(|_| refuse("the scene is not UTF-8 text".into()))
+        String::from_utf8(bytes).map_err(|_| refuse("the scene is not UTF-8 text".into()))
     }
 
     /// The text of a file that the scene names, and that file's name for messages; else why it can't be read.
     ///
     /// Bytes that are not UTF-8 (in comments, most often) are replaced: spectra and meshes need ASCII only.
-    pub(crate) fn read_asset(&self, name: &str) -> Result<(String, Cow<'_, str>), String> {
+    pub(crate) fn read_asset(&self, name: &str) -> Result<(String, String), String> {
         match self {
             Self::Disk(scene) => {
                 let path = scene.parent().unwrap_or_else(|| Path::new("")).join(name);
                 let bytes =
                     std::fs::read(&path).map_err(|e| format!("cannot read {name:?}: {e}"))?;
-                Ok((
-                    path.display().to_string(),
-                    Cow::Owned(String::from_utf8_lossy(&bytes).into_owned()),
-                ))
+                Ok((path.display().to_string(), String::from_utf8_lossy(&bytes).into_owned()))
             }
-            Self::Memory { assets, .. } => assets
-                .iter()
-                .find(|(asset, _)| asset == name)
-                .map(|(asset, text)| (asset.to_string(), Cow::Borrowed(text.as_ref())))
-                .ok_or_else(|| {
+            Self::Memory { assets, .. } => {
+                assets.iter().find(|(asset, _)| asset == name).cloned().ok_or_else(|| {
                     format!("cannot read {name:?}: no such file beside this built-in scene")
-                }),
+                })
+            }
         }
     }
 }

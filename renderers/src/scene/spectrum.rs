@@ -192,7 +192,7 @@ fn is_word(text: &str) -> bool {
         && !text.eq_ignore_ascii_case("nan")
 }
 
-/// Checks the nodes of a table; the error carries the index of the node at fault.
+/// Checks the nodes of a table, all finite numbers; the error carries the index of the node at fault.
 fn table(pairs: Vec<(f64, f64)>) -> Result<SpectrumKind, (usize, String)> {
     if pairs.len() < 2 {
         return Err((
@@ -202,7 +202,7 @@ fn table(pairs: Vec<(f64, f64)>) -> Result<SpectrumKind, (usize, String)> {
     }
     let mut before = 0.0;
     for (i, &(wavelength, value)) in pairs.iter().enumerate() {
-        if !(wavelength > before) {
+        if wavelength <= before {
             let message = if i == 0 {
                 format!("wavelength {wavelength} nm is not positive")
             } else {
@@ -210,7 +210,7 @@ fn table(pairs: Vec<(f64, f64)>) -> Result<SpectrumKind, (usize, String)> {
             };
             return Err((i, message));
         }
-        if !(value >= 0.0) {
+        if value < 0.0 {
             return Err((i, format!("negative value {value} at {wavelength} nm")));
         }
         before = wavelength;
@@ -262,7 +262,7 @@ fn regular(props: &mut Props<'_>) -> Result<SpectrumKind, SceneError> {
     let at =
         |i: u32| if i == last { max } else { min + (max - min) * f64::from(i) / f64::from(last) };
     let pairs = (0..).zip(values).map(|(i, value)| (at(i), value)).collect();
-    if !(min < max) {
+    if min >= max {
         return Err(props
             .node()
             .error(format!("\"wavelength_max\" {max} must be above \"wavelength_min\" {min}")));
@@ -297,7 +297,7 @@ fn blackbody(props: &mut Props<'_>) -> Result<SpectrumKind, SceneError> {
         |v| v > wavelength_min,
         "above wavelength_min",
     )?;
-    if !(wavelength_min < wavelength_max) {
+    if wavelength_min >= wavelength_max {
         return Err(props.node().error("\"wavelength_max\" must be above \"wavelength_min\""));
     }
     Ok(SpectrumKind::Blackbody { temperature, scale, wavelength_min, wavelength_max })
@@ -324,16 +324,16 @@ fn grey(node: Node<'_>, role: Role) -> Result<SpectrumKind, SceneError> {
     }
 }
 
-/// Refuses values that can't be what the role says.
+/// Refuses values (all finite by now) that can't be what the role says.
 fn check(node: Node<'_>, name: &str, kind: &SpectrumKind, role: Role) -> Result<(), SceneError> {
     let (low, high) = extremes(kind);
-    if !(low >= 0.0) {
+    if low < 0.0 {
         return Err(node.error(format!("{name:?} is negative: {low}")));
     }
-    if role == Role::Fraction && !(high <= 1.0) {
+    if role == Role::Fraction && high > 1.0 {
         return Err(node.error(format!("{name:?} must not be above 1, but reaches {high}")));
     }
-    if role == Role::Index && !(low > 0.0) {
+    if role == Role::Index && low <= 0.0 {
         return Err(node.error(format!("{name:?} must be positive")));
     }
     if let (Role::Index | Role::Extinction, SpectrumKind::Table { wavelengths, .. }) = (role, kind)

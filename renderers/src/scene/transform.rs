@@ -58,7 +58,8 @@ fn lookat(node: Node<'_>) -> Result<DAffine3, SceneError> {
         .try_normalize()
         .ok_or_else(|| node.error("\"origin\" and \"target\" are the same point"))?;
     let left = up.normalize_or_zero().cross(forward);
-    if !(left.length() > 1e-9) {
+    let defined = left.length() > 1e-9;
+    if !defined {
         return Err(node.error("\"up\" is zero or along the line of sight"));
     }
     let left = left.normalize();

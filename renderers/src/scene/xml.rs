@@ -118,15 +118,15 @@ fn malformed(file: &str, text: &str, error: &roxmltree::Error) -> SceneError {
 }
 
 /// Copies a tree into a [`Document`], in document order.
-struct Builder<'p> {
+struct Builder<'t> {
     document: Document,
-    parameters: Parameters<'p>,
-    lines: Lines<'p>,
+    parameters: Parameters,
+    lines: Lines<'t>,
     indices: HashMap<roxmltree::NodeId, usize>,
 }
 
-impl<'p> Builder<'p> {
-    fn new(file: &str, text: &'p str, parameters: &'p [(String, String)]) -> Self {
+impl<'t> Builder<'t> {
+    fn new(file: &str, text: &'t str, parameters: &[(String, String)]) -> Self {
         Self {
             document: Document { file: file.to_owned(), elements: Vec::new() },
             parameters: Parameters::new(parameters),
@@ -237,20 +237,24 @@ impl<'t> Lines<'t> {
     }
 }
 
-struct Parameter<'p> {
-    name: std::borrow::Cow<'p, str>,
-    value: std::borrow::Cow<'p, str>,
+struct Parameter {
+    name: String,
+    value: String,
     used: bool,
 }
 
 /// What `$name` stands for, longest names first so that `$width2` is not taken for `$width` followed by a 2.
-struct Parameters<'p>(Vec<Parameter<'p>>);
+struct Parameters(Vec<Parameter>);
 
-impl<'p> Parameters<'p> {
-    fn new(given: &'p [(String, String)]) -> Self {
+impl Parameters {
+    fn new(given: &[(String, String)]) -> Self {
         let mut parameters: Vec<_> = given
             .iter()
-            .map(|(name, value)| Parameter { name: name.into(), value: value.into(), used: false })
+            .map(|(name, value)| Parameter {
+                name: name.clone(),
+                value: value.clone(),
+                used: false,
+            })
             .collect();
         parameters.sort_by_key(|parameter| core::cmp::Reverse(parameter.name.len()));
         Self(parameters)
@@ -262,8 +266,7 @@ impl<'p> Parameters<'p> {
             return;
         }
         let at = self.0.partition_point(|parameter| parameter.name.len() >= name.len());
-        let parameter =
-            Parameter { name: name.to_owned().into(), value: value.to_owned().into(), used: true };
+        let parameter = Parameter { name: name.to_owned(), value: value.to_owned(), used: true };
         self.0.insert(at, parameter);
     }
 
@@ -281,7 +284,7 @@ impl<'p> Parameters<'p> {
             }
             out.push_str(before);
             let Some(found) =
-                self.0.iter_mut().find(|p| !p.name.is_empty() && after.starts_with(&*p.name))
+                self.0.iter_mut().find(|p| !p.name.is_empty() && after.starts_with(&p.name))
             else {
                 let end =
                     after.find(|c: char| !(c.is_alphanumeric() || c == '_')).unwrap_or(after.len());
@@ -296,7 +299,7 @@ impl<'p> Parameters<'p> {
     }
 
     fn first_unused(&self) -> Option<&str> {
-        self.0.iter().find(|parameter| !parameter.used).map(|parameter| &*parameter.name)
+        self.0.iter().find(|parameter| !parameter.used).map(|parameter| parameter.name.as_str())
     }
 }
 
