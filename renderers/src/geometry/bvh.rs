@@ -1,5 +1,5 @@
 //! A four-wide bounding-volume hierarchy: obvhs builds a binary one (PLOC with reinsertion), which is collapsed so that
-//! one visit tests four boxes, and one leaf holds up to four triangles that are tested together.
+//! one visit tests four boxes, and one leaf holds up to four pairs of triangles that are tested together.
 //!
 //! Boxes are tested conservatively with respect to the triangle test: the origin is moved apart for near and far planes
 //! by the error of the test's shear (Woop, Benthin & Wald 2013, section 4.2), and the far distance is raised by
@@ -10,7 +10,7 @@ use core::time::Duration;
 use glam::{BVec4A, Vec3A, Vec4};
 use obvhs::{BvhBuildParams, aabb::Aabb, bvh2::Bvh2, bvh2::builder::build_bvh2};
 
-use super::packet::{Packet, PacketHit, Sheared};
+use super::packet::{Half, Packet, PacketHit, Pair, Sheared};
 use super::ray::{NO_PRIMITIVE, Ray};
 use super::round::Round;
 
@@ -19,16 +19,19 @@ const LEAF: u32 = 1 << 31;
 /// The child reference of an empty place.
 const EMPTY: u32 = u32::MAX;
 /// Subtrees with at most this many items become leaves.
-const LEAF_ITEMS: usize = 4;
+const LEAF_ITEMS: usize = 64;
 /// Traversal stacks: most worlds need the first, a million triangles the second.
 const SMALL_STACK: usize = 32;
 const LARGE_STACK: usize = 192;
 
+/// The triangles of a packet: half and lane.
+const PLACES: [(usize, usize); 8] = [(0, 0), (0, 1), (0, 2), (0, 3), (1, 0), (1, 1), (1, 2), (1, 3)];
+
 /// What a hierarchy is built over.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Item {
-    /// A triangle with its tag for [`Packet::new`].
-    Triangle([Vec3A; 3], u32),
+    /// One or two triangles.
+    Triangles(Pair),
     /// A round surface and the index of its primitive.
     Round(Round, u32),
 }
@@ -36,7 +39,7 @@ pub(super) enum Item {
 impl Item {
     fn bounds(&self) -> Aabb {
         match self {
-            Self::Triangle(vertices, _) => Aabb::from_points(vertices),
+            Self::Triangles(pair) => Aabb::from_points(&pair.vertices),
             Self::Round(round, _) => {
                 let [low, high] = round.bounds();
                 Aabb::new(low, high)
@@ -60,6 +63,34 @@ struct Leaf {
     rounds: [u32; 2],
 }
 
+/// What is wanted of a triangle only once it is hit.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Detail {
+    /// Unit normal.
+    pub(super) normal: Vec3A,
+    /// Smallest barycentric weights of a point that is surely off the edges, by its rounding.
+    pub(super) least: [f32; 3],
+    pub(super) half: Half,
+}
+
+impl Detail {
+    /// Half by half and lane by lane.
+    fn of_packet(pairs: &[Pair]) -> impl Iterator<Item = Self> {
+        let pair = |lane: usize| pairs.get(lane).or(pairs.last());
+        PLACES.into_iter().filter_map(move |(half, lane)| pair(lane).map(|pair| Self::new(pair, half)))
+    }
+
+    #[allow(clippy::cast_possible_truncation, reason = "the weights are wanted in f32")]
+    fn new(pair: &Pair, half: usize) -> Self {
+        let [a, b, c] = pair.triangle(half).map(|v| v.as_dvec3());
+        let normal = (b - a).cross(c - a);
+        let size = a.abs().max(b.abs()).max(c.abs()).max_element();
+        let rounding = 2.0 * f64::from(f32::EPSILON) * size / normal.length();
+        let least = [c - b, a - c, b - a].map(|edge| (edge.length() * rounding).min(0.1) as f32);
+        Self { normal: normal.normalize_or_zero().as_vec3a(), least, half: pair.halves[half] }
+    }
+}
+
 /// A hit before it is refined.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum RawHit {
@@ -75,6 +106,8 @@ pub(super) struct Bvh {
     nodes: Vec<Node>,
     leaves: Vec<Leaf>,
     packets: Vec<Packet>,
+    /// Eight for each packet, in the order of [`PLACES`].
+    details: Vec<Detail>,
     rounds: Vec<(Round, u32)>,
     /// The nodes that can wait on the stack at once.
     stack: usize,
@@ -164,14 +197,10 @@ impl Bvh {
             (bvh.low, bvh.high) = (Vec3A::ZERO, Vec3A::ZERO);
             return Some(bvh);
         }
-        let parameters = BvhBuildParams {
-            pre_split: false,
-            max_prims_per_leaf: 1,
-            ..BvhBuildParams::slow_build()
-        };
+        let parameters =
+            BvhBuildParams { pre_split: false, max_prims_per_leaf: 1, ..BvhBuildParams::slow_build() };
         let binary = build_bvh2(&boxes, parameters, &mut Duration::default());
-        let mut collapse =
-            Collapse { items, binary: &binary, counts: vec![0; binary.nodes.len()], bvh };
+        let mut collapse = Collapse { items, binary: &binary, counts: vec![0; binary.nodes.len()], bvh };
         collapse.count(0);
         collapse.root();
         bvh = collapse.bvh;
@@ -186,6 +215,11 @@ impl Bvh {
     /// A packet by its index in a [`RawHit`].
     pub(super) fn packet(&self, index: u32) -> &Packet {
         &self.packets[index as usize]
+    }
+
+    /// What else is known of a triangle of a packet.
+    pub(super) fn detail(&self, packet: u32, hit: &PacketHit) -> &Detail {
+        &self.details[8 * packet as usize + 4 * hit.half + hit.lane]
     }
 
     /// A round surface and its primitive, by its index in a [`RawHit`].
@@ -299,8 +333,7 @@ impl Bvh {
         let leaf = &self.leaves[(child & !LEAF) as usize];
         let t_max = ray.ray.t_max;
         (leaf.packets[0]..leaf.packets[1]).any(|i| self.packets[i as usize].any::<KZ>(ray, t_max))
-            || (leaf.rounds[0]..leaf.rounds[1])
-                .any(|i| self.round_distance(i, &ray.ray, t_max).is_some())
+            || (leaf.rounds[0]..leaf.rounds[1]).any(|i| self.round_distance(i, &ray.ray, t_max).is_some())
     }
 
     fn round_distance(&self, index: u32, ray: &Ray, t_max: f32) -> Option<f64> {
@@ -311,13 +344,10 @@ impl Bvh {
     /// Whether every primitive below `primitives` is in the leaves, and every box holds what is in it.
     pub(super) fn is_consistent(&self, primitives: u32) -> bool {
         let mut seen = vec![false; primitives as usize];
-        let mut mark =
-            |primitive: u32| seen.get_mut(primitive as usize).map(|s| *s = true).is_some();
-        let known = self.packets.iter().all(|p| (0..4).all(|lane| mark(p.primitive(lane))))
-            && self
-                .rounds
-                .iter()
-                .all(|(_, primitive)| *primitive != NO_PRIMITIVE && mark(*primitive));
+        let mut mark = |primitive: u32| seen.get_mut(primitive as usize).map(|s| *s = true).is_some();
+        let lanes = |packet: &Packet| PLACES.map(|(half, lane)| packet.primitive(half, lane));
+        let mut in_packets = self.packets.iter().flat_map(lanes).filter(|p| *p != NO_PRIMITIVE);
+        let known = in_packets.all(&mut mark) && self.rounds.iter().all(|(_, primitive)| mark(*primitive));
         let nested = self.leaves.is_empty() || self.is_nested(self.root(), self.low, self.high);
         known && nested && seen.iter().all(|s| *s)
     }
@@ -328,17 +358,15 @@ impl Bvh {
             let Some(leaf) = self.leaves.get((child & !LEAF) as usize) else { return false };
             let mut packets = leaf.packets[0]..leaf.packets[1];
             let mut rounds = leaf.rounds[0]..leaf.rounds[1];
-            return packets
-                .all(|i| (0..4).all(|lane| self.packet(i).triangle(lane).into_iter().all(holds)))
+            let vertices = |i: u32| PLACES.map(|(half, lane)| self.packet(i).triangle(half, lane));
+            return packets.all(|i| vertices(i).as_flattened().iter().all(|v| holds(*v)))
                 && rounds.all(|i| self.round(i).0.bounds().into_iter().all(holds));
         }
         let Some(node) = self.nodes.get(child as usize) else { return false };
         (0..4).filter(|i| node.children[*i] != EMPTY).all(|i| {
             let corner = |planes: &[Vec4; 3]| Vec3A::new(planes[0][i], planes[1][i], planes[2][i]);
             let (inner_low, inner_high) = (corner(&node.low), corner(&node.high));
-            holds(inner_low)
-                && holds(inner_high)
-                && self.is_nested(node.children[i], inner_low, inner_high)
+            holds(inner_low) && holds(inner_high) && self.is_nested(node.children[i], inner_low, inner_high)
         })
     }
 }
@@ -363,12 +391,7 @@ fn to_f32(t: f64) -> f32 {
 
 /// Returns the nearest of the children that are hit and pushes the others, the nearer the later.
 #[inline(always)]
-fn push_ordered<const N: usize>(
-    stack: &mut Stack<N>,
-    node: &Node,
-    near: Vec4,
-    mut lanes: u32,
-) -> Option<(u32, f32)> {
+fn push_ordered<const N: usize>(stack: &mut Stack<N>, node: &Node, near: Vec4, mut lanes: u32) -> Option<(u32, f32)> {
     if lanes == 0 {
         return stack.pop();
     }
@@ -466,11 +489,7 @@ impl Collapse<'_> {
         let waiting = waiting + members.len();
         self.bvh.stack = self.bvh.stack.max(waiting);
         for (lane, member) in members.into_iter().enumerate() {
-            let child = if self.is_leaf(member) {
-                self.leaf(member)
-            } else {
-                self.node(member, waiting - 1)
-            };
+            let child = if self.is_leaf(member) { self.leaf(member) } else { self.node(member, waiting - 1) };
             self.bvh.nodes[place].children[lane] = child;
         }
         u32::try_from(place).unwrap_or(EMPTY)
@@ -482,11 +501,7 @@ impl Collapse<'_> {
         while members.len() < 4 {
             let area = |i: usize| self.binary.nodes[i].aabb().half_area();
             let inner = (0..members.len()).filter(|i| !self.is_leaf(members[*i]));
-            let Some(largest) =
-                inner.max_by(|i, j| area(members[*i]).total_cmp(&area(members[*j])))
-            else {
-                break;
-            };
+            let Some(largest) = inner.max_by(|i, j| area(members[*i]).total_cmp(&area(members[*j]))) else { break };
             let first = self.binary.nodes[members[largest]].first_index as usize;
             members[largest] = first;
             members.push(first + 1);
@@ -496,7 +511,7 @@ impl Collapse<'_> {
 
     /// Appends the leaf with everything below a binary node.
     fn leaf(&mut self, index: usize) -> u32 {
-        let mut triangles = Vec::new();
+        let mut pairs = Vec::new();
         let starts = (self.bvh.packets.len(), self.bvh.rounds.len());
         let mut open = vec![index];
         while let Some(i) = open.pop() {
@@ -508,12 +523,15 @@ impl Collapse<'_> {
             }
             for &item in &self.binary.primitive_indices[first..first + node.prim_count as usize] {
                 match self.items[item as usize] {
-                    Item::Triangle(vertices, tag) => triangles.push((vertices, tag)),
+                    Item::Triangles(pair) => pairs.push(pair),
                     Item::Round(round, primitive) => self.bvh.rounds.push((round, primitive)),
                 }
             }
         }
-        self.bvh.packets.extend(triangles.chunks(4).filter_map(Packet::new));
+        for four in pairs.chunks(4) {
+            self.bvh.packets.extend(Packet::new(four));
+            self.bvh.details.extend(Detail::of_packet(four));
+        }
         let range = |from: usize, to: usize| [from, to].map(|i| u32::try_from(i).unwrap_or(EMPTY));
         let (packets, rounds) =
             (range(starts.0, self.bvh.packets.len()), range(starts.1, self.bvh.rounds.len()));

@@ -13,6 +13,7 @@ mod bvh;
 mod camera;
 mod error;
 mod packet;
+mod pairing;
 mod ray;
 mod round;
 mod surface;

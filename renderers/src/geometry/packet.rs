@@ -1,17 +1,14 @@
-//! Four triangles tested at once, watertight: S. Woop, C. Benthin & I. Wald, "Watertight Ray/Triangle Intersection",
-//! *Journal of Computer Graphics Techniques* 2(1), 2013.
+//! Four pairs of triangles tested at once, watertight: S. Woop, C. Benthin & I. Wald, "Watertight Ray/Triangle
+//! Intersection", *Journal of Computer Graphics Techniques* 2(1), 2013.
 //!
 //! Edge functions of a shared edge are the same numbers with opposite signs in both triangles, and rounding never turns
 //! a sign, so that no ray slips between them; where one rounds to zero it is formed again, exactly, in `f64`. The
-//! distance gets an error bound (Pharr, Jakob & Humphreys, section 6.8.7); where that leaves open whether a hit is
-//! within the ray's range it is found again in `f64` from the vertices.
+//! distance gets an error bound (Pharr, Jakob & Humphreys, *Physically Based Rendering*, 4th ed., section 6.8.7); where
+//! that leaves open whether a hit is within the ray's range, the distance is found again in `f64` from the vertices.
 
 use glam::{DVec3, Vec3A, Vec4};
 
-use super::ray::Ray;
-
-/// The bit of [`Packet::tags`] that marks the second half of a parallelogram.
-pub(super) const SECOND_HALF: u32 = 1 << 31;
+use super::ray::{NO_PRIMITIVE, Ray};
 
 /// Half a unit in the last place, relative: the rounding error of one operation.
 const UNIT: f32 = f32::EPSILON / 2.0;
@@ -19,6 +16,35 @@ const UNIT: f32 = f32::EPSILON / 2.0;
 /// The bound γₙ = n·u / (1 − n·u) of the relative error after n roundings.
 const fn gamma(n: f32) -> f32 {
     n * UNIT / (1.0 - n * UNIT)
+}
+
+/// Two triangles that share an edge: vertices 0, 1, 2 and 0, 2, 3. One without partner has vertex 2 again as vertex 3.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Pair {
+    pub(super) vertices: [Vec3A; 4],
+    pub(super) halves: [Half; 2],
+}
+
+impl Pair {
+    /// The vertices of one half.
+    pub(super) fn triangle(&self, half: usize) -> [Vec3A; 3] {
+        let [a, b, c, d] = self.vertices;
+        if half == 0 { [a, b, c] } else { [a, c, d] }
+    }
+}
+
+/// One triangle of a pair.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Half {
+    /// Index of its primitive; [`NO_PRIMITIVE`] for a missing partner.
+    pub(super) primitive: u32,
+    /// Its first vertex is the one with this number in the triangle it was made from.
+    pub(super) rotation: u32,
+}
+
+impl Half {
+    /// What a triangle without partner has in the place of one.
+    pub(super) const MISSING: Self = Self { primitive: NO_PRIMITIVE, rotation: 0 };
 }
 
 /// A ray with what the triangle test derives from it once: the shear that takes its direction to an axis.
@@ -33,6 +59,7 @@ pub(super) struct Sheared {
 
 impl Sheared {
     /// Prepares a ray whose direction is longest along axis `KZ`.
+    #[inline(always)]
     pub(super) fn new<const KZ: usize>(ray: Ray) -> Self {
         let direction = ray.direction.to_array();
         let z = direction[KZ];
@@ -41,197 +68,208 @@ impl Sheared {
     }
 }
 
-/// Which triangle of a packet a ray hits, and where: `f32` accuracy, enough to order hits.
+/// Which triangle of a packet a ray hits, and where, to `f32` accuracy.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PacketHit {
     pub(super) t: f32,
     pub(super) lane: usize,
+    pub(super) half: usize,
+    /// Barycentric weights, not normalised; all of one sign.
+    pub(super) weights: [f32; 3],
 }
 
-/// Four triangles; places that are not needed repeat the last one.
+/// Four pairs of triangles; places that are not needed repeat the last one.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Packet {
     /// Vertex, axis, lane.
-    vertices: [[Vec4; 3]; 3],
-    /// Index of the primitive of each lane, with [`SECOND_HALF`].
-    tags: [u32; 4],
+    vertices: [[Vec4; 3]; 4],
+    /// Half, lane.
+    primitives: [[u32; 4]; 2],
 }
 
-/// What the edge functions and the distance are made of, for the lanes that are inside or need another look.
-struct Candidates {
+/// The triangles of one half of a packet, as a ray sees them.
+struct View {
     sheared: [[Vec4; 2]; 3],
+    z: [Vec4; 3],
     edges: [Vec4; 3],
+    /// The lanes that the line of the ray passes through, or nearly so.
+    inside: u32,
+}
+
+/// Where the line of a ray meets triangles, and which of the meetings are within its range.
+struct Distances {
     t: Vec4,
-    t_error: Vec4,
+    certain: u32,
     possible: u32,
 }
 
 impl Packet {
-    /// Packs one to four triangles, given as vertices and tag; `None` for none.
-    pub(super) fn new(triangles: &[([Vec3A; 3], u32)]) -> Option<Self> {
-        let last = triangles.last()?;
-        let lane = |i: usize| triangles.get(i).unwrap_or(last);
+    /// Packs one to four pairs; `None` for none.
+    pub(super) fn new(pairs: &[Pair]) -> Option<Self> {
+        let last = pairs.last()?;
+        let lane = |i: usize| pairs.get(i).unwrap_or(last);
         let gather = |vertex: usize, axis: usize| {
-            Vec4::new(
-                lane(0).0[vertex][axis],
-                lane(1).0[vertex][axis],
-                lane(2).0[vertex][axis],
-                lane(3).0[vertex][axis],
-            )
+            let [a, b, c, d] = [0, 1, 2, 3].map(|i| lane(i).vertices[vertex][axis]);
+            Vec4::new(a, b, c, d)
         };
-        let vertices = [0, 1, 2].map(|vertex| [0, 1, 2].map(|axis| gather(vertex, axis)));
-        Some(Self { vertices, tags: [0, 1, 2, 3].map(|i| lane(i).1) })
+        let vertices = [0, 1, 2, 3].map(|vertex| [0, 1, 2].map(|axis| gather(vertex, axis)));
+        let primitives = [0, 1].map(|half| [0, 1, 2, 3].map(|i| lane(i).halves[half].primitive));
+        Some(Self { vertices, primitives })
     }
 
-    /// Index of the primitive in a lane.
-    pub(super) fn primitive(&self, lane: usize) -> u32 {
-        self.tags[lane & 3] & !SECOND_HALF
-    }
-
-    /// Whether the lane holds the second half of a parallelogram.
-    pub(super) fn is_second_half(&self, lane: usize) -> bool {
-        self.tags[lane & 3] & SECOND_HALF != 0
+    /// Index of the primitive in a lane; [`NO_PRIMITIVE`] for a missing partner.
+    pub(super) fn primitive(&self, half: usize, lane: usize) -> u32 {
+        self.primitives[half & 1][lane & 3]
     }
 
     /// The vertices of the triangle in a lane.
-    pub(super) fn triangle(&self, lane: usize) -> [Vec3A; 3] {
-        self.vertices.map(|v| Vec3A::new(v[0][lane & 3], v[1][lane & 3], v[2][lane & 3]))
+    pub(super) fn triangle(&self, half: usize, lane: usize) -> [Vec3A; 3] {
+        let numbers = if half == 0 { [0, 1, 2] } else { [0, 2, 3] };
+        numbers.map(|i| Vec3A::from_array([0, 1, 2].map(|axis| self.vertices[i][axis][lane & 3])))
     }
 
-    /// The nearest hit with 0 ≤ t < `t_max`, for a ray prepared for the same axis.
+    /// The nearest hit with 0 ≤ t < `t_max`, for a ray prepared for axis `KZ`.
     #[inline(always)]
-    pub(super) fn closest<const KZ: usize>(
-        &self,
-        ray: &Sheared,
-        mut t_max: f32,
-    ) -> Option<PacketHit> {
-        let found = self.candidates::<KZ>(ray, t_max)?;
+    pub(super) fn closest<const KZ: usize>(&self, ray: &Sheared, mut t_max: f32) -> Option<PacketHit> {
+        let views = self.views::<KZ>(ray)?;
         let mut best = None;
-        let mut lanes = found.possible;
-        while lanes != 0 {
-            let lane = lanes.trailing_zeros() as usize;
-            lanes &= lanes - 1;
-            if let Some(t) = self.accept(&found, ray, t_max, lane) {
-                best = Some(PacketHit { t, lane });
-                t_max = t;
+        for (half, view) in views.iter().enumerate().filter(|(_, view)| view.inside != 0) {
+            let found = view.distances(ray, t_max);
+            let mut lanes = found.possible;
+            while lanes != 0 {
+                let lane = lanes.trailing_zeros() as usize & 3;
+                lanes &= lanes - 1;
+                if ray.ray.exclude.contains(&self.primitive(half, lane)) {
+                    continue;
+                }
+                if found.certain >> lane & 1 != 0 {
+                    let t = found.t[lane];
+                    if t < t_max {
+                        t_max = t;
+                        best = Some(PacketHit { t, lane, half, weights: view.edges.map(|e| e[lane]) });
+                    }
+                } else if let Some(hit) = self.decide(view, ray, t_max, half, lane) {
+                    t_max = hit.t;
+                    best = Some(hit);
+                }
             }
         }
         best
     }
 
-    /// Whether there is any hit with 0 ≤ t < `t_max`, for a ray prepared for the same axis.
+    /// Whether there is any hit with 0 ≤ t < `t_max`, for a ray prepared for axis `KZ`.
     #[inline(always)]
     pub(super) fn any<const KZ: usize>(&self, ray: &Sheared, t_max: f32) -> bool {
-        let Some(found) = self.candidates::<KZ>(ray, t_max) else { return false };
-        (0..4).any(|lane| {
-            found.possible >> lane & 1 != 0 && self.accept(&found, ray, t_max, lane).is_some()
-        })
+        let Some(views) = self.views::<KZ>(ray) else { return false };
+        for (half, view) in views.iter().enumerate().filter(|(_, view)| view.inside != 0) {
+            let found = view.distances(ray, t_max);
+            let mut lanes = found.possible;
+            while lanes != 0 {
+                let lane = lanes.trailing_zeros() as usize & 3;
+                lanes &= lanes - 1;
+                let excluded = ray.ray.exclude.contains(&self.primitive(half, lane));
+                let hit = || found.certain >> lane & 1 != 0 || self.decide(view, ray, t_max, half, lane).is_some();
+                if !excluded && hit() {
+                    return true;
+                }
+            }
+        }
+        false
     }
 
+    /// The edge functions of all eight triangles; `None` if the line of the ray misses them all.
     #[inline(always)]
-    fn candidates<const KZ: usize>(&self, ray: &Sheared, t_max: f32) -> Option<Candidates> {
-        let axis =
-            |vertex: usize, k: usize| self.vertices[vertex][k % 3] - Vec4::splat(ray.origin[k % 3]);
-        let z = [axis(0, KZ), axis(1, KZ), axis(2, KZ)];
+    fn views<const KZ: usize>(&self, ray: &Sheared) -> Option<[View; 2]> {
+        let axis = |vertex: usize, k: usize| self.vertices[vertex][k % 3] - Vec4::splat(ray.origin[k % 3]);
+        let z = [0, 1, 2, 3].map(|vertex| axis(vertex, KZ));
         let shear = |vertex: usize| {
             let x = axis(vertex, KZ + 1) - ray.shear_x * z[vertex];
             let y = axis(vertex, KZ + 2) - ray.shear_y * z[vertex];
             [x, y]
         };
-        let [a, b, c] = [shear(0), shear(1), shear(2)];
-        let u = c[0] * b[1] - c[1] * b[0];
-        let v = a[0] * c[1] - a[1] * c[0];
-        let w = b[0] * a[1] - b[1] * a[0];
-        let least = u.min(v).min(w);
-        let greatest = u.max(v).max(w);
-        let outside = least.cmplt(Vec4::ZERO) & greatest.cmpgt(Vec4::ZERO);
-        if outside.bitmask() == 0b1111 {
-            return None;
-        }
-        let inverse = Vec4::splat(ray.scale) / (u + v + w);
-        let t = (u * z[0] + v * z[1] + w * z[2]) * inverse;
-        let t_error = distance_error(&[a, b, c], &z, greatest.max(-least)) * inverse.abs();
-        // Negated, so that a distance which is not a number (seen edge-on) is looked at again.
-        let out_of_range =
-            (t + t_error).cmplt(Vec4::ZERO) | (t - t_error).cmpge(Vec4::splat(t_max));
-        let possible = 0b1111 & !(outside | out_of_range).bitmask();
-        (possible != 0).then_some(Candidates {
-            sheared: [a, b, c],
-            edges: [u, v, w],
-            t,
-            t_error,
-            possible,
+        let [a, b, c, d] = [shear(0), shear(1), shear(2), shear(3)];
+        let edge = |p: [Vec4; 2], q: [Vec4; 2]| q[0] * p[1] - q[1] * p[0];
+        let (ab, bc, cd, da, ca) = (edge(a, b), edge(b, c), edge(c, d), edge(d, a), edge(c, a));
+        let inside = |u: Vec4, v: Vec4, w: Vec4| {
+            let both = u.min(v).min(w).cmplt(Vec4::ZERO) & u.max(v).max(w).cmpgt(Vec4::ZERO);
+            0b1111 & !both.bitmask()
+        };
+        let (first, second) = (inside(bc, ca, ab), inside(cd, da, -ca));
+        (first | second != 0).then(|| {
+            [
+                View { sheared: [a, b, c], z: [z[0], z[1], z[2]], edges: [bc, ca, ab], inside: first },
+                View { sheared: [a, c, d], z: [z[0], z[2], z[3]], edges: [cd, da, -ca], inside: second },
+            ]
         })
     }
 
-    /// The distance to the triangle of one lane, if it is really hit within the range.
-    #[inline(always)]
-    fn accept(&self, found: &Candidates, ray: &Sheared, t_max: f32, lane: usize) -> Option<f32> {
-        if ray.ray.exclude.contains(&self.primitive(lane)) {
-            return None;
-        }
-        let (t, error) = (found.t[lane], found.t_error[lane]);
-        let no_zero = found.edges.iter().all(|e| e[lane] != 0.0);
-        if no_zero && t - error > 0.0 && t + error < t_max {
-            return Some(t);
-        }
-        self.accept_exactly(found, ray, t_max, lane)
-    }
-
+    /// Decides exactly about one triangle.
     #[cold]
     #[inline(never)]
-    #[allow(clippy::cast_possible_truncation, reason = "the distance is wanted in f32")]
-    fn accept_exactly(
-        &self,
-        found: &Candidates,
-        ray: &Sheared,
-        t_max: f32,
-        lane: usize,
-    ) -> Option<f32> {
-        let [a, b, c] = found.sheared.map(|p| (f64::from(p[0][lane]), f64::from(p[1][lane])));
-        let edge = |p: (f64, f64), q: (f64, f64)| p.0 * q.1 - p.1 * q.0;
-        let edges = [edge(c, b), edge(a, c), edge(b, a)];
+    #[allow(clippy::cast_possible_truncation, reason = "the results are wanted in f32")]
+    fn decide(&self, view: &View, ray: &Sheared, t_max: f32, half: usize, lane: usize) -> Option<PacketHit> {
+        let [a, b, c] = view.sheared.map(|p| (f64::from(p[0][lane]), f64::from(p[1][lane])));
+        let edge = |p: (f64, f64), q: (f64, f64)| q.0 * p.1 - q.1 * p.0;
+        let edges = [edge(b, c), edge(c, a), edge(a, b)];
         let (negative, positive) = (edges.iter().any(|e| *e < 0.0), edges.iter().any(|e| *e > 0.0));
         if negative == positive {
             return None;
         }
-        let exact = Refined::new(&ray.ray, self.triangle(lane));
-        let starts_on_it = exact.t == 0.0;
-        let entered = exact.normal.dot(ray.ray.direction.as_dvec3()) < 0.0;
-        let within = if starts_on_it { entered } else { exact.t > 0.0 };
-        (within && exact.t < f64::from(t_max)).then_some(exact.t as f32)
+        let exact = Exact::new(&ray.ray, self.triangle(half, lane));
+        // A ray that starts on the triangle hits it only if it enters through its front.
+        let within = exact.t > 0.0 || (exact.t == 0.0 && exact.slope < 0.0);
+        let t = exact.t.abs() as f32;
+        (within && exact.t < f64::from(t_max)).then(|| PacketHit { t, lane, half, weights: exact.weights })
     }
 }
 
-/// The bound of |t| error times the determinant (unscaled).
-#[inline(always)]
-fn distance_error(sheared: &[[Vec4; 2]; 3], z: &[Vec4; 3], max_edge: Vec4) -> Vec4 {
-    let largest = |a: Vec4, b: Vec4, c: Vec4| a.abs().max(b.abs()).max(c.abs());
-    let [a, b, c] = sheared;
-    let max_z = largest(z[0], z[1], z[2]);
-    let max_x = largest(a[0], b[0], c[0]);
-    let max_y = largest(a[1], b[1], c[1]);
-    let error_z = gamma(3.0) * max_z;
-    let error_x = gamma(5.0) * (max_x + max_z);
-    let error_y = gamma(5.0) * (max_y + max_z);
-    let error_edge = 2.0 * (gamma(2.0) * max_x * max_y + error_y * max_x + error_x * max_y);
-    3.0 * (gamma(3.0) * max_edge * max_z + error_edge * max_z + error_z * max_edge)
+impl View {
+    #[inline(always)]
+    fn distances(&self, ray: &Sheared, t_max: f32) -> Distances {
+        let [u, v, w] = self.edges;
+        let z = &self.z;
+        let inverse = Vec4::splat(ray.scale) / (u + v + w);
+        let t = (u * z[0] + v * z[1] + w * z[2]) * inverse;
+        let error = self.distance_error() * inverse.abs();
+        let (low, high, t_max) = (t - error, t + error, Vec4::splat(t_max));
+        let certain = low.cmpgt(Vec4::ZERO) & high.cmplt(t_max);
+        // Negated, so that a distance which is not a number (seen edge-on) is looked at again.
+        let out_of_range = high.cmplt(Vec4::ZERO) | low.cmpge(t_max);
+        let zero = u.cmpeq(Vec4::ZERO) | v.cmpeq(Vec4::ZERO) | w.cmpeq(Vec4::ZERO);
+        let possible = self.inside & !out_of_range.bitmask();
+        Distances { t, certain: certain.bitmask() & !zero.bitmask(), possible }
+    }
+
+    /// The bound of the distances' absolute error, times the determinant, without the scale of the shear.
+    #[inline(always)]
+    fn distance_error(&self) -> Vec4 {
+        let largest = |p: Vec4, q: Vec4, r: Vec4| p.abs().max(q.abs()).max(r.abs());
+        let [a, b, c] = &self.sheared;
+        let max_edge = largest(self.edges[0], self.edges[1], self.edges[2]);
+        let max_z = largest(self.z[0], self.z[1], self.z[2]);
+        let max_x = largest(a[0], b[0], c[0]);
+        let max_y = largest(a[1], b[1], c[1]);
+        let error_x = gamma(5.0) * (max_x + max_z);
+        let error_y = gamma(5.0) * (max_y + max_z);
+        let error_edge = 2.0 * (gamma(2.0) * max_x * max_y + error_y * max_x + error_x * max_y);
+        // The last term is that of z itself, whose error is γ₃ of its maximum.
+        3.0 * max_z * (gamma(3.0) * max_edge + error_edge + gamma(3.0) * max_edge)
+    }
 }
 
-/// The meeting of a ray and a triangle that it is known to hit, in `f64`.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Refined {
+/// The meeting of a ray with a triangle that it is known to hit, from the vertices in `f64`.
+struct Exact {
     /// Ray parameter.
-    pub(super) t: f64,
-    /// Barycentric weights of the three vertices, none negative, sum 1.
-    pub(super) weights: [f64; 3],
-    /// The normal (v₁ − v₀) × (v₂ − v₀), twice the area long.
-    pub(super) normal: DVec3,
+    t: f64,
+    /// The normal's component along the ray: negative when the ray enters through the front.
+    slope: f64,
+    weights: [f32; 3],
 }
 
-impl Refined {
-    /// Weights that are negative by rounding are set to zero; a triangle seen exactly edge-on is met at its centroid.
-    pub(super) fn new(ray: &Ray, triangle: [Vec3A; 3]) -> Self {
+impl Exact {
+    /// Weights that rounding made negative are set to zero; a triangle seen exactly edge-on is met at its centroid.
+    #[allow(clippy::cast_possible_truncation, reason = "the weights are wanted in f32")]
+    fn new(ray: &Ray, triangle: [Vec3A; 3]) -> Self {
         let origin = ray.origin.as_dvec3();
         let direction = ray.direction.as_dvec3();
         let [a, b, c] = triangle.map(|v| v.as_dvec3() - origin);
@@ -242,14 +280,14 @@ impl Refined {
         let sum: f64 = clamped.iter().sum();
         let weights = if sum > 0.0 { clamped.map(|v| v / sum) } else { [1.0 / 3.0; 3] };
         let offset = a * weights[0] + b * weights[1] + c * weights[2];
-        Self { t: distance(direction, normal, a, offset), weights, normal }
+        let slope = normal.dot(direction);
+        Self { t: distance(direction, normal.dot(a) / slope, offset), slope, weights: weights.map(|w| w as f32) }
     }
 }
 
-/// Ray parameter of the plane through `a`, kept within rounding of the point `offset` of the triangle.
-fn distance(direction: DVec3, normal: DVec3, a: DVec3, offset: DVec3) -> f64 {
+/// The ray parameter where the plane is met, unless rounding put that far from the point `offset` of the triangle.
+fn distance(direction: DVec3, plane: f64, offset: DVec3) -> f64 {
     let interpolated = offset.dot(direction) / direction.length_squared();
-    let plane = normal.dot(a) / normal.dot(direction);
     let tolerance = 1e-3 * offset.length() / direction.length();
     if (plane - interpolated).abs() <= tolerance { plane } else { interpolated }
 }

@@ -6,10 +6,14 @@ use glam::{DVec3, Vec3A};
 
 use super::GeometryError;
 use super::bvh::{Bvh, Item, RawHit};
-use super::packet::{Refined, SECOND_HALF};
+use super::packet::{Half, PacketHit, Pair};
+use super::pairing::pair_up;
 use super::ray::{Hit, NO_PRIMITIVE, Ray, SurfacePoint};
 use super::round::{DiskFrame, Round};
-use super::surface::Surface;
+use super::surface::{Mesh, Surface};
+
+/// There may be one less.
+const MOST_PRIMITIVES: u32 = 1 << 31;
 
 /// What is known of a primitive beside its geometry.
 #[derive(Clone, Copy, Debug)]
@@ -143,106 +147,87 @@ impl World {
     /// # Errors
     /// [`GeometryError::BrokenHierarchy`] if not.
     pub fn validate(&self) -> Result<(), GeometryError> {
-        let count =
-            u32::try_from(self.primitives.len()).map_err(|_| GeometryError::TooManyPrimitives)?;
+        let count = u32::try_from(self.primitives.len()).map_err(|_| GeometryError::TooManyPrimitives)?;
         if self.bvh.is_consistent(count) { Ok(()) } else { Err(GeometryError::BrokenHierarchy) }
     }
 
     fn refine(&self, ray: &Ray, raw: &RawHit) -> Hit {
-        match *raw {
-            RawHit::Triangle(packet, hit) => {
-                let packet = self.bvh.packet(packet);
-                let second = packet.is_second_half(hit.lane);
-                self.refine_triangle(
-                    ray,
-                    packet.triangle(hit.lane),
-                    packet.primitive(hit.lane),
-                    second,
-                )
-            }
-            RawHit::Round(index, t) => {
-                let (round, primitive) = self.bvh.round(index);
-                let hit = round.hit(ray, t);
-                self.hit(
-                    ray,
-                    *primitive,
-                    &Precise { t: hit.t, position: hit.position, normal: hit.normal, uv: hit.uv },
-                )
-            }
+        match raw {
+            RawHit::Triangle(packet, hit) => self.refine_triangle(ray, *packet, hit),
+            RawHit::Round(index, t) => self.refine_round(ray, *index, *t),
         }
     }
 
-    fn refine_triangle(
-        &self,
-        ray: &Ray,
-        triangle: [Vec3A; 3],
-        primitive: u32,
-        second_half: bool,
-    ) -> Hit {
-        let refined = Refined::new(ray, triangle);
-        let vertices = triangle.map(|v| v.as_dvec3());
-        let weights = keep_off_edges(refined.weights, &vertices, refined.normal);
+    #[allow(clippy::cast_possible_truncation, reason = "the results are wanted in f32")]
+    fn refine_triangle(&self, ray: &Ray, packet: u32, hit: &PacketHit) -> Hit {
+        let detail = self.bvh.detail(packet, hit);
+        let [a, b, c] = self.bvh.packet(packet).triangle(hit.half, hit.lane).map(|v| v.as_dvec3());
+        let weights = keep_off_edges(hit.weights, &detail.least);
+        let position = (a + (b - a) * weights[1] + (c - a) * weights[2]).as_vec3a();
+        let record = &self.primitives[detail.half.primitive as usize];
+        let turn = detail.half.rotation as usize;
+        let weights: [f64; 3] = core::array::from_fn(|i| weights[(i + 3 - turn) % 3]);
         let [_, b, c] = weights;
-        let position =
-            vertices[0] + (vertices[1] - vertices[0]) * b + (vertices[2] - vertices[0]) * c;
-        let record = &self.primitives[primitive as usize];
-        let uv = match (record.kind, second_half) {
-            (Kind::Parallelogram, false) => [b + c, c],
-            (Kind::Parallelogram, true) => [b, b + c],
+        let uv = match (record.kind, hit.half) {
+            (Kind::Parallelogram, 0) => [b + c, c],
+            (Kind::Parallelogram, _) => [b, b + c],
             _ => [b, c],
         };
-        let precise = Precise { t: refined.t, position, normal: refined.normal.normalize(), uv };
-        let mut hit = self.hit(ray, primitive, &precise);
-        if let Some(normals) = self.vertex_normals.get(record.normals as usize) {
-            let sum = (0..3).fold(DVec3::ZERO, |sum, i| sum + normals[i].as_dvec3() * weights[i]);
-            hit.shading_normal = sum.try_normalize().map_or(hit.geometric_normal, |n| n.as_vec3a());
-        }
-        hit
-    }
-
-    #[inline]
-    #[allow(clippy::cast_possible_truncation, reason = "the results are wanted in f32")]
-    fn hit(&self, ray: &Ray, primitive: u32, precise: &Precise) -> Hit {
-        let record = &self.primitives[primitive as usize];
-        let position = precise.position.as_vec3a();
-        let geometric_normal = precise.normal.as_vec3a();
+        let interpolated = |normals: &[Vec3A; 3]| {
+            let sum = (0..3).fold(Vec3A::ZERO, |sum, i| sum + normals[i] * weights[i] as f32);
+            sum.normalize_or(detail.normal)
+        };
+        let shading_normal = self.vertex_normals.get(record.normals as usize).map_or(detail.normal, interpolated);
         Hit {
-            t: precise.t as f32,
-            primitive,
+            t: hit.t,
+            primitive: detail.half.primitive,
             shape: record.shape,
             position,
-            error: f32::EPSILON * position.abs().max_element(),
-            geometric_normal,
-            shading_normal: geometric_normal,
-            uv: precise.uv.map(|x| x.clamp(0.0, 1.0) as f32),
-            front: precise.normal.dot(ray.direction.as_dvec3()) < 0.0,
-            planar: record.kind != Kind::Sphere,
+            error: rounding(position),
+            geometric_normal: detail.normal,
+            shading_normal,
+            uv: uv.map(|x| x.clamp(0.0, 1.0) as f32),
+            front: detail.normal.dot(ray.direction) < 0.0,
+            planar: true,
+        }
+    }
+
+    #[allow(clippy::cast_possible_truncation, reason = "the results are wanted in f32")]
+    fn refine_round(&self, ray: &Ray, index: u32, t: f64) -> Hit {
+        let (round, primitive) = self.bvh.round(index);
+        let hit = round.hit(ray, t);
+        let record = &self.primitives[*primitive as usize];
+        let (position, normal) = (hit.position.as_vec3a(), hit.normal.as_vec3a());
+        Hit {
+            t: t as f32,
+            primitive: *primitive,
+            shape: record.shape,
+            position,
+            error: rounding(position),
+            geometric_normal: normal,
+            shading_normal: normal,
+            uv: hit.uv.map(|x| x.clamp(0.0, 1.0) as f32),
+            front: hit.normal.dot(ray.direction.as_dvec3()) < 0.0,
+            planar: record.kind == Kind::Disk,
         }
     }
 }
 
-/// A hit in `f64`.
-struct Precise {
-    t: f64,
-    position: DVec3,
-    normal: DVec3,
-    uv: [f64; 2],
+/// Twice the error of a position that was rounded to `f32` once.
+fn rounding(position: Vec3A) -> f32 {
+    f32::EPSILON * position.abs().max_element()
 }
 
-/// Moves a point that is nearer to an edge than the rounding of its `f32` coordinates off that edge, so that it is on
-/// the right side of what stands on the edge. `normal` is twice the area long.
-fn keep_off_edges(weights: [f64; 3], vertices: &[DVec3; 3], normal: DVec3) -> [f64; 3] {
-    let [a, b, c] = *vertices;
-    let lengths =
-        [(c - b).abs().element_sum(), (a - c).abs().element_sum(), (b - a).abs().element_sum()];
-    let size = a.abs().max(b.abs()).max(c.abs()).max_element();
-    let error = 2.0 * f64::from(f32::EPSILON) * size;
-    let scale = error / normal.abs().max_element();
-    let least: [f64; 3] = core::array::from_fn(|i| (lengths[i] * scale).min(0.1));
-    if (0..3).all(|i| weights[i] >= least[i]) {
-        return weights;
+/// The normalised weights of a point that is moved off the edges if it is nearer to one than the rounding of its `f32`
+/// coordinates: so it is on the right side of what stands on the edge.
+fn keep_off_edges(weights: [f32; 3], least: &[f32; 3]) -> [f64; 3] {
+    let weights = weights.map(|w| f64::from(w.abs()));
+    let scale = 1.0 / weights.iter().sum::<f64>();
+    let normalised = weights.map(|w| w * scale);
+    if (0..3).all(|i| normalised[i] >= f64::from(least[i])) {
+        return normalised;
     }
-    let raised: [f64; 3] = core::array::from_fn(|i| weights[i].max(least[i]));
+    let raised: [f64; 3] = core::array::from_fn(|i| normalised[i].max(f64::from(least[i])));
     let sum: f64 = raised.iter().sum();
     raised.map(|w| w / sum)
 }
@@ -260,50 +245,34 @@ impl Parts {
     fn add(&mut self, shape: u32, surface: &Surface) -> Result<(), GeometryError> {
         let start = self.next()?;
         match surface {
-            Surface::Mesh(mesh) => {
-                for triangle in &mesh.triangles {
-                    let vertices = triangle.map(|i| mesh.positions[i as usize]);
-                    let normals = if mesh.normals.is_empty() {
-                        NO_PRIMITIVE
-                    } else {
-                        let index =
-                            u32::try_from(self.vertex_normals.len()).unwrap_or(NO_PRIMITIVE);
-                        let unit =
-                            |i: u32| mesh.normals[i as usize].as_dvec3().normalize().as_vec3a();
-                        self.vertex_normals.push(triangle.map(unit));
-                        index
-                    };
-                    let tag = self.next()?;
-                    self.items.push(Item::Triangle(vertices, tag));
-                    self.primitives.push(Primitive {
-                        shape,
-                        normals,
-                        kind: Kind::Triangle,
-                        area: area(vertices),
-                    });
-                }
-            }
+            Surface::Mesh(mesh) => self.add_mesh(shape, mesh, start)?,
             Surface::Parallelogram(parallelogram) => {
-                let [a, b, c, d] = parallelogram.corners();
-                let halves = [[a, b, c], [a, c, d]];
-                self.items.push(Item::Triangle(halves[0], start));
-                self.items.push(Item::Triangle(halves[1], start | SECOND_HALF));
-                let area = halves.map(area).iter().sum();
-                self.primitives.push(Primitive {
-                    shape,
-                    normals: NO_PRIMITIVE,
-                    kind: Kind::Parallelogram,
-                    area,
-                });
+                let vertices = parallelogram.corners();
+                let pair = Pair { vertices, halves: [Half { primitive: start, rotation: 0 }; 2] };
+                let area = [0, 1].map(|half| area(pair.triangle(half))).iter().sum();
+                self.items.push(Item::Triangles(pair));
+                self.primitives.push(Primitive { shape, normals: NO_PRIMITIVE, kind: Kind::Parallelogram, area });
             }
-            Surface::Disk(disk) => {
-                self.add_round(shape, Round::Disk(DiskFrame::new(disk)), Kind::Disk, start)
-            }
-            Surface::Sphere(sphere) => {
-                self.add_round(shape, Round::Sphere(*sphere), Kind::Sphere, start)
-            }
+            Surface::Disk(disk) => self.add_round(shape, Round::Disk(DiskFrame::new(disk)), Kind::Disk, start),
+            Surface::Sphere(sphere) => self.add_round(shape, Round::Sphere(*sphere), Kind::Sphere, start),
         }
         self.ranges.push(start..self.next()?);
+        Ok(())
+    }
+
+    fn add_mesh(&mut self, shape: u32, mesh: &Mesh, first: u32) -> Result<(), GeometryError> {
+        for triangle in &mesh.triangles {
+            let mut normals = NO_PRIMITIVE;
+            if !mesh.normals.is_empty() {
+                normals = u32::try_from(self.vertex_normals.len()).unwrap_or(NO_PRIMITIVE);
+                let unit = |i: u32| mesh.normals[i as usize].as_dvec3().normalize().as_vec3a();
+                self.vertex_normals.push(triangle.map(unit));
+            }
+            self.next()?;
+            let area = area(triangle.map(|i| mesh.positions[i as usize]));
+            self.primitives.push(Primitive { shape, normals, kind: Kind::Triangle, area });
+        }
+        self.items.extend(pair_up(mesh, first).into_iter().map(Item::Triangles));
         Ok(())
     }
 
@@ -315,7 +284,7 @@ impl Parts {
     /// The index of the next primitive.
     fn next(&self) -> Result<u32, GeometryError> {
         match u32::try_from(self.primitives.len()) {
-            Ok(index) if index < SECOND_HALF => Ok(index),
+            Ok(index) if index < MOST_PRIMITIVES => Ok(index),
             _ => Err(GeometryError::TooManyPrimitives),
         }
     }
