@@ -8,7 +8,7 @@ use crate::Real;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum RadiationConstant {
-    /// 1.4350 × 10⁻² m K, with which CIE defined illuminant A in 1931 as 2848 K (CIE 15:2018, 4.1.1).
+    /// 1.4350 × 10⁻² m K, with which CIE defined illuminant A in 1931 as 2848 K (CIE 15).
     Cie1931,
     /// 1.4380 × 10⁻² m K, of the International Practical Temperature Scale of 1948, in force when CIE defined the
     /// D illuminants by nominal temperatures.
