@@ -220,7 +220,7 @@ impl<R: Real> Glass<R> {
     }
 
     /// The built-in material of the given name, such as `N-BK7`, `water-20C` or `437907`; see
-    /// [`find_glass`](crate::tables::find_glass).
+    /// [`find_glass`].
     #[must_use]
     pub fn find(name: &str) -> Option<Self> {
         find_glass(name).map(Self::from_table)

@@ -8,7 +8,7 @@ use crate::tables::daylight::{S0, S1, S2};
 /// Whether the coefficients M₁ and M₂ of a [`Daylight`] are rounded to three decimals.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Rounding {
-    /// To three decimals, as CIE 15:2004 (equation 3.5 and note) asks.
+    /// To three decimals, as in the calculation of the D illuminants that CIE 15 tabulates.
     #[default]
     ThreeDecimals,
     /// Not at all, so that the spectrum is a smooth function of the temperature.
@@ -17,7 +17,7 @@ pub enum Rounding {
 
 /// Relative spectral power of a phase of daylight: the CIE D series, 100 at 560 nm.
 ///
-/// `S(λ) = S₀(λ) + M₁ S₁(λ) + M₂ S₂(λ)` at 5 nm over 300–830 nm, linear in between, zero outside (CIE 15:2004, 3.1):
+/// `S(λ) = S₀(λ) + M₁ S₁(λ) + M₂ S₂(λ)` at 5 nm over 300–830 nm, linear in between, zero outside (CIE 15:2004, section 3):
 /// from the correlated colour temperature T the chromaticity x = a polynomial in 1/T of two branches that meet at 7000 K
 /// (which belongs to the lower one), y = −3.000 x² + 2.870 x − 0.275, and from them M₁ and M₂.
 ///
@@ -42,7 +42,7 @@ impl<R: Real> Daylight<R> {
     }
 
     /// Daylight of a nominal temperature, as in D65 = 6500 K: the temperature is multiplied by 1.4388 / 1.4380 for the
-    /// change of the second radiation constant since the D illuminants were named (CIE 15:2004, 3.1 note 4).
+    /// change of the second radiation constant since the D illuminants were named (CIE 15:2004, section 3).
     ///
     /// # Errors
     /// [`SpectrumError::ColourTemperature`] when the product is outside 4000 K to 25000 K.
@@ -91,7 +91,7 @@ impl<R: Real> Daylight<R> {
     }
 }
 
-/// CIE 15:2004, equations 3.2 to 3.4.
+/// Chromaticity of daylight of a temperature in K: CIE 15:2004, section 3.
 fn chromaticity(temperature: f64) -> (f64, f64) {
     let [c0, c1, c2, c3] = if temperature <= 7000.0 {
         [0.244_063, 0.099_11, 2.967_8, -4.607_0]
@@ -103,7 +103,7 @@ fn chromaticity(temperature: f64) -> (f64, f64) {
     (x, -3.000 * x * x + 2.870 * x - 0.275)
 }
 
-/// M₁ and M₂: CIE 15:2004, equation 3.5.
+/// M₁ and M₂ for a chromaticity: CIE 15:2004, section 3.
 fn factors(x: f64, y: f64) -> [f64; 2] {
     let m = 0.0241 + 0.2562 * x - 0.7341 * y;
     [(-1.3515 - 1.7703 * x + 5.9114 * y) / m, (0.0300 - 31.4424 * x + 30.0717 * y) / m]

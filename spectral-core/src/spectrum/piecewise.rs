@@ -6,15 +6,17 @@ use crate::Real;
 
 /// A piecewise linear spectrum through values at increasing wavelengths in nm, borrowed from the caller.
 ///
-/// Values between nodes are `v₀ + (v₁ − v₀)(λ − λ₀)/(λ₁ − λ₀)`: exact at nodes and where neighbours are equal, never
-/// negative between values that aren't, elsewhere within 4 EPSILON of the larger neighbour. Values may be of either
-/// sign, up to half the largest number. Outside the nodes, [`Outside`] decides. At the last node itself,
-/// [`value`](Spectrum::value) is that node's value, while [`segment`](Spectrum::segment) starts the piece beyond it.
+/// Values between nodes are `v₀ + (v₁ − v₀)(λ − λ₀)/(λ₁ − λ₀)`, reckoned from the nearer node: exact at nodes and
+/// between equal values, within 4 EPSILON relative between values that aren't negative (nor is the result), and within
+/// 4 EPSILON of the larger magnitude between values of unlike sign. Values may be up to half the largest number.
+///
+/// Outside the nodes, [`Outside`] decides. At the last node itself, [`value`](Spectrum::value) is that node's value,
+/// while [`segment`](Spectrum::segment) starts the piece beyond it.
 ///
 /// ```
 /// use spectral_core::spectrum::{Outside, PiecewiseLinear, Spectrum};
 /// let filter = PiecewiseLinear::new(&[400.0, 500.0, 700.0], &[0.0, 0.8, 0.4], Outside::Zero)?;
-/// assert_eq!(filter.value(600.0), 0.6000000000000001);
+/// assert_eq!(filter.value(450.0), 0.4);
 /// assert_eq!(filter.value(750.0), 0.0);
 /// # Ok::<(), spectral_core::spectrum::SpectrumError>(())
 /// ```

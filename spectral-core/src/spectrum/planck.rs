@@ -1,5 +1,6 @@
 //! Black bodies.
 
+use super::grid::interpolate;
 use super::{Segment, Spectrum, SpectrumError};
 use crate::Real;
 
@@ -7,7 +8,7 @@ use crate::Real;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum RadiationConstant {
-    /// 1.4350 × 10⁻² m K, with which CIE defined illuminant A in 1931 as 2848 K (CIE 15:2018, 4.1.1).
+    /// 1.4350 × 10⁻² m K, with which CIE defined illuminant A in 1931 as 2848 K (CIE 15).
     Cie1931,
     /// 1.4380 × 10⁻² m K, of the International Practical Temperature Scale of 1948, in force when CIE defined the
     /// D illuminants by nominal temperatures.
@@ -99,6 +100,6 @@ impl<R: Real> Spectrum<R> for Planck<R> {
         let start = wavelength.floor();
         let end = start + R::ONE;
         let (first, last) = (self.radiance(start), self.radiance(end));
-        Segment { end, first: first + (last - first) * (wavelength - start), last }
+        Segment { end, first: interpolate(first, last, wavelength - start, end - wavelength), last }
     }
 }

@@ -61,7 +61,7 @@ pub use lookup::{find_glass, find_light, find_lines, find_metal, lights};
 
 /// The samples of one column of a built-in table, in both precisions; only the one that is used gets linked.
 ///
-/// [`Real::samples`](crate::Real::samples) picks the precision.
+/// [`Real::samples`] picks the precision.
 #[derive(Clone, Copy, Debug)]
 pub struct Samples {
     /// The samples in `f32`.
@@ -110,8 +110,10 @@ impl ObserverTable {
     #[inline]
     #[must_use]
     pub fn cmf<R: Real>(&self, index: usize) -> [R; 3] {
-        let value = |column: &Samples| R::samples(column).get(index).copied().unwrap_or(R::ZERO);
-        self.columns.each_ref().map(value)
+        // Each column by name, not in a loop: that lets the other precision go also where code is built for size.
+        let [x, y, z] = &self.columns;
+        let value = |column: &[R]| column.get(index).copied().unwrap_or(R::ZERO);
+        [value(R::samples(x)), value(R::samples(y)), value(R::samples(z))]
     }
 }
 
