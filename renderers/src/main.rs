@@ -1,2 +1,7 @@
 //! The `spectral` command.
-fn main() {}
+
+mod command;
+
+fn main() -> std::process::ExitCode {
+    command::run()
+}
