@@ -35,19 +35,10 @@ const NAMED_IORS: [(&str, f64); 23] = [
     ("diamond", 2.419),
 ];
 
-/// Glasses with a dispersion curve; these names are case-sensitive, unlike Mitsuba's.
-pub const DISPERSIVE_GLASSES: [&str; 10] = [
-    "N-BK7",
-    "SF10",
-    "SF11",
-    "N-SF11",
-    "fused_silica",
-    "water_20C",
-    "diamond_Peter",
-    "CaF2",
-    "S-FPL53",
-    "437907",
-];
+/// Names of [`Ior::Glass`]: materials of `spectral_core::dispersion`, case-sensitive unlike Mitsuba's names. Its `diamond`
+/// is not among them, because that name is Mitsuba's for a constant.
+pub const DISPERSIVE_GLASSES: [&str; 9] =
+    ["N-BK7", "SF10", "SF11", "N-SF11", "fused-silica", "water-20C", "CaF2", "S-FPL53", "437907"];
 
 const TYPES: [&str; 5] = ["diffuse", "conductor", "dielectric", "schlick", "twosided"];
 
