@@ -8,7 +8,7 @@ use crate::Real;
 /// taken as exact. Differences whose square overflows (above 1e19 in `f32`, 1e154 in `f64`) give ∞, those whose square
 /// underflows (below 1e-19, 1e-154) lose accuracy or give 0. NaN in, NaN out.
 ///
-/// Source: ISO/CIE 11664-4:2019, equation 13.
+/// Source: ISO/CIE 11664-4:2019.
 #[inline]
 #[must_use]
 pub fn delta_e_ab<R: Real>(first: [R; 3], second: [R; 3]) -> R {
