@@ -1,8 +1,11 @@
 //! Reference renderers on `spectral-core`, with scenes, images and reports: what the `spectral` command is made of.
 
+pub mod compare;
 pub mod geometry;
 pub mod image;
+pub mod progress;
 pub mod render;
+pub mod report;
 pub mod scene;
 pub mod spectral;
 pub mod whitted;

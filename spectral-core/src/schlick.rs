@@ -44,9 +44,8 @@ impl<R: Real> Schlick<R> {
         let mut sum = diffuse / R::PI;
         if glossy > R::ZERO {
             let shadowing = self.shadowing(v) * self.shadowing(v_prime);
-            let lobe = shadowing * self.zenith(t) * self.azimuth(w)
-                / (R::from_f64(4.0) * R::PI * (v * v_prime));
-            sum += glossy * (lobe + (R::ONE - shadowing) / R::PI);
+            let below = R::from_f64(4.0) * R::PI * (v * v_prime);
+            sum += glossy * shadowing * self.zenith(t) * self.azimuth(w) / below;
         }
         sum
     }

@@ -1,9 +1,17 @@
 //! Picture files: round trips, damaged files, and what is left behind when writing fails.
+#![allow(
+    clippy::unwrap_used,
+    clippy::panic,
+    clippy::cast_precision_loss,
+    reason = "a test may fail, and its pictures are small"
+)]
 
+use renderers::compare::{CompareError, CompareOptions, compare};
 use renderers::image::{
-    ImageError, Picture, ScalarMap, read_exr, read_picture, read_png, write_atomic, write_exr,
-    write_png,
+    FalseColour, ImageError, Picture, ScalarMap, read_exr, read_picture, read_png, write_atomic,
+    write_exr, write_png,
 };
+use renderers::report::{ChartLabels, Histogram};
 use std::fs;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -206,7 +214,7 @@ fn survives_damage(original: &Path, truncated_is_refused: bool) {
             fs::write(&damaged, &bytes).unwrap();
             match read_picture(&damaged) {
                 Ok(picture) => {
-                    assert!(picture.pixels().as_flattened().iter().all(|value| value.is_finite()))
+                    assert!(picture.pixels().as_flattened().iter().all(|value| value.is_finite()));
                 }
                 Err(error) => {
                     refused += 1;
@@ -328,4 +336,91 @@ fn many_threads_may_write_to_one_place() {
     assert_eq!(content.len(), 10_000);
     assert!(content.iter().all(|byte| *byte == content[0]), "two writers were mixed");
     assert_eq!(names(&directory), ["a.txt"]);
+}
+
+#[test]
+fn comparing_files_writes_maps_and_numbers() {
+    let directory = directory("compare");
+    let (first, second) = (directory.join("a.exr"), directory.join("b.png"));
+    let picture =
+        Picture::from_fn(40, 30, |x, y| [x as f32 / 40.0, y as f32 / 30.0, 0.25]).unwrap();
+    write_exr(&first, &picture, &[], &[]).unwrap();
+    write_png(&second, &picture, 1.0).unwrap();
+    let out = directory.join("new").join("maps");
+    let comparison = compare(&first, &second, &out, &CompareOptions::default()).unwrap();
+    // Half a code of 8-bit sRGB: not nothing, but less than 1 also in the dark.
+    assert!(comparison.delta_e00.mean > 0.0 && comparison.delta_e00.max <= 1.0, "{comparison:?}");
+    assert!(
+        comparison.delta_e00.mean <= comparison.delta_e00.p95
+            && comparison.delta_e00.p95 <= comparison.delta_e00.max
+    );
+    assert!(
+        comparison.relative_brightness.min < 0.0 && comparison.relative_brightness.max > 0.0,
+        "{comparison:?}"
+    );
+    assert_eq!(comparison.files.len(), names(&out).len());
+    for file in &comparison.files {
+        let written = read_picture(file).unwrap();
+        assert!(written.width() >= 40 && written.height() >= 30, "{}", file.display());
+    }
+    let numbers = read_exr(&out.join("difference.exr")).unwrap();
+    let (name, map) = &numbers.channels[0];
+    assert_eq!(name, "delta_e00");
+    let largest = map.pixels().iter().fold(0.0_f32, |largest, &value| largest.max(value));
+    assert_eq!(f64::from(largest), comparison.delta_e00.max);
+
+    let same = compare(&first, &first, &out, &CompareOptions::default()).unwrap();
+    assert_eq!((same.delta_e00.max, same.relative_brightness.max), (0.0, 0.0));
+}
+
+#[test]
+fn comparisons_that_cannot_be_are_refused_by_name() {
+    let directory = directory("compare_refused");
+    let (first, second) = (directory.join("a.exr"), directory.join("b.exr"));
+    write_exr(&first, &varied_picture(4, 3), &[], &[]).unwrap();
+    write_exr(&second, &varied_picture(3, 4), &[], &[]).unwrap();
+    let out = directory.join("maps");
+    let error = compare(&first, &second, &out, &CompareOptions::default()).unwrap_err();
+    assert!(matches!(error, CompareError::FileSize { sizes: [(4, 3), (3, 4)], .. }), "{error}");
+    assert!(error.to_string().contains("a.exr") && error.to_string().contains("b.exr"), "{error}");
+    let error =
+        compare(&first, &directory.join("c.exr"), &out, &CompareOptions::default()).unwrap_err();
+    assert!(error.to_string().contains("c.exr"), "{error}");
+    assert!(!out.exists(), "nothing is written before both pictures are read");
+    // A file where the directory should be.
+    let error = compare(&first, &first, &second, &CompareOptions::default()).unwrap_err();
+    assert!(matches!(error, CompareError::Image(ImageError::Io { .. })), "{error}");
+}
+
+#[test]
+fn pictures_of_all_finite_numbers_can_be_compared() {
+    let directory = directory("compare_extremes");
+    let (first, second) = (directory.join("a.exr"), directory.join("b.exr"));
+    write_exr(&first, &varied_picture(16, 16), &[], &[]).unwrap();
+    write_exr(&second, &Picture::filled(16, 16, [0.0; 3]).unwrap(), &[], &[]).unwrap();
+    let comparison = compare(&first, &second, &directory, &CompareOptions::default()).unwrap();
+    assert!(
+        comparison.delta_e00.mean.is_finite() && comparison.relative_brightness.max.is_finite()
+    );
+}
+
+#[test]
+fn maps_and_charts_are_pictures() {
+    let directory = directory("drawings");
+    let map = ScalarMap::from_fn(30, 20, |x, y| (x * y) as f32).unwrap();
+    FalseColour::fitting("x y", &map).write_png(&directory.join("map.png"), &map).unwrap();
+    let drawn = read_png(&directory.join("map.png")).unwrap();
+    // Shown eightfold, with the legend to the right and the heading above.
+    assert!(drawn.width() > 240 + 40 && drawn.height() > 160 + 30);
+    let mut colours: Vec<_> = drawn.pixels().iter().map(|pixel| pixel.map(f32::to_bits)).collect();
+    colours.sort_unstable();
+    colours.dedup();
+    assert!(colours.len() > 200, "a continuous map has many colours: {}", colours.len());
+
+    let histogram = Histogram::of_counts([1, 2, 2, 3, 3, 3]);
+    let labels = ChartLabels { title: "Intervals", values: "Intervals", counts: "Pixels" };
+    histogram.write_png(&directory.join("chart.png"), &labels, Default::default()).unwrap();
+    let chart = read_png(&directory.join("chart.png")).unwrap();
+    assert_eq!((chart.width(), chart.height()), (640, 400));
+    assert_eq!(names(&directory), ["chart.png", "map.png"]);
 }

@@ -21,7 +21,7 @@ pub enum Palette {
     Viridis,
     /// Blue over light grey to red, for signed numbers: ½ is neutral, and lightness falls to both sides.
     ///
-    /// Source: Moreland, "Diverging color maps for scientific visualization", ISVC 2009 (LNCS 5876), section 5: straight
+    /// Source: Moreland, "Diverging color maps for scientific visualization", ISVC 2009 (LNCS 5876): straight
     /// lines in Msh (polar CIELAB) space between sRGB (59, 76, 192), white and (180, 4, 38).
     CoolWarm,
 }

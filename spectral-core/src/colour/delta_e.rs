@@ -8,7 +8,7 @@ use crate::Real;
 /// taken as exact. Differences whose square overflows (above 1e19 in `f32`, 1e154 in `f64`) give ∞, those whose square
 /// underflows (below 1e-19, 1e-154) lose accuracy or give 0. NaN in, NaN out.
 ///
-/// Source: ISO/CIE 11664-4:2019, equation 13.
+/// Source: ISO/CIE 11664-4:2019.
 #[inline]
 #[must_use]
 pub fn delta_e_ab<R: Real>(first: [R; 3], second: [R; 3]) -> R {
@@ -39,7 +39,7 @@ pub fn delta_e_00<R: Real>(first: [R; 3], second: [R; 3]) -> R {
 }
 
 /// [`delta_e_00`] with the parametric factors `[k_L, k_C, k_H]` of the viewing conditions, which must be positive;
-/// textiles are often compared with k_L = 2.
+/// textiles are often compared with `k_L` = 2.
 #[must_use]
 pub fn delta_e_00_weighted<R: Real>(first: [R; 3], second: [R; 3], [k_l, k_c, k_h]: [R; 3]) -> R {
     let stretch = chroma_stretch(first, second);
@@ -139,7 +139,7 @@ fn hue_dependence<R: Real>(hue: R) -> R {
         - wave(0.20, 4.0, -63.0)
 }
 
-/// R_T: the coupling of chroma and hue differences among blues (equations 16, 17 and 21).
+/// The coupling `R_T` of chroma and hue differences among blues (equations 16, 17 and 21).
 fn rotation<R: Real>(mean_hue: R, mean_chroma: R) -> R {
     let distance = (mean_hue - R::from_f64(275.0)) / R::from_f64(25.0);
     let angle = R::from_f64(60.0) * (-(distance * distance)).exp();

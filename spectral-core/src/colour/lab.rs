@@ -27,7 +27,7 @@ const OFFSET: f64 = 4.0 / 29.0;
 /// **Accuracy**: |computed − exact| ≤ 1.25 ε f(t) for t ≥ 0, and ≤ 1.5 ε (|f(t)| + 4/29) below, with ε the machine
 /// epsilon, the argument being taken as exact.
 ///
-/// Source: ISO/CIE 11664-4:2019, equations 4 to 9.
+/// Source: ISO/CIE 11664-4:2019.
 ///
 /// ```
 /// use spectral_core::colour::lab_f;
@@ -53,7 +53,7 @@ pub fn lab_f<R: Real>(t: R) -> R {
 /// root of the largest number. Monotone to the last bit, as [`lab_f`] is. Accurate to 2 ε relative for s > δ and to
 /// 2 ε 3δ² (|s| + 4/29) below; f⁻¹(f(t)) comes back to 6 ε max(|t|, δ³).
 ///
-/// Source: ISO/CIE 11664-4:2019, annex B.
+/// Source: ISO/CIE 11664-4:2019.
 #[inline]
 #[must_use]
 pub fn lab_f_inverse<R: Real>(s: R) -> R {
@@ -74,7 +74,7 @@ pub fn lab_f_inverse<R: Real>(s: R) -> R {
 ///
 /// Accurate to 4 ε times 116, 500 and 200 times the f's.
 ///
-/// Source: ISO/CIE 11664-4:2019, equations 1 to 3.
+/// Source: ISO/CIE 11664-4:2019.
 ///
 /// ```
 /// use spectral_core::colour::{xyz_to_lab, xyz::WHITE_D65};
@@ -96,7 +96,7 @@ pub fn xyz_to_lab<R: Real>(xyz: [R; 3], white: [R; 3]) -> [R; 3] {
 ///
 /// Defined for every finite L\*a\*b\*, also where no colour is; large values overflow to ±∞.
 ///
-/// Source: ISO/CIE 11664-4:2019, annex B.
+/// Source: ISO/CIE 11664-4:2019.
 #[inline]
 #[must_use]
 pub fn lab_to_xyz<R: Real>([lightness, a, b]: [R; 3], white: [R; 3]) -> [R; 3] {

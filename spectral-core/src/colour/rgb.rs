@@ -5,7 +5,7 @@
 
 use crate::Real;
 
-/// The chromaticities (x, y) of the red, green and blue primary (BT.709-6, item 1.3; IEC 61966-2-1, table 1).
+/// The chromaticities (x, y) of the red, green and blue primary (BT.709-6 and IEC 61966-2-1).
 pub const PRIMARIES: [[f64; 2]; 3] = [[0.64, 0.33], [0.30, 0.60], [0.15, 0.06]];
 
 /// The chromaticity (x, y) of the white R = G = B: D65, rounded to four digits in both standards.
@@ -100,7 +100,7 @@ pub fn xyz_to_linear_rgb<R: Real>(xyz: [R; 3]) -> [R; 3] {
 /// V = 12.92 C for C ≤ 0.0031308, and 1.055 C^(1/2.4) − 0.055 above. Above 1 the curve goes on; below 0 it goes on as an
 /// odd function, V(−C) = −V(C), as is the habit for extended sRGB. Accurate to 4 ε. ±∞ stays, NaN stays.
 ///
-/// Source: IEC 61966-2-1:1999, equations 5 and 6.
+/// Source: IEC 61966-2-1:1999.
 ///
 /// ```
 /// use spectral_core::colour::{decode_srgb, encode_srgb};
@@ -124,7 +124,7 @@ pub fn encode_srgb<R: Real>(linear: R) -> R {
 /// standard's constants are rounded: the curves invert each other but for a stretch of 1e-8 where the branches meet,
 /// and there to 5e-9.
 ///
-/// Source: IEC 61966-2-1:1999, equations 8 and 9 of its amendment 1.
+/// Source: IEC 61966-2-1:1999.
 #[must_use]
 pub fn decode_srgb<R: Real>(code: R) -> R {
     let magnitude = code.abs();
@@ -138,7 +138,7 @@ pub fn decode_srgb<R: Real>(code: R) -> R {
 
 /// The 8-bit code nearest to a code value in [0, 1]: ⌊255 V + ½⌋, limited to 0..=255; 0 for NaN.
 ///
-/// Source: IEC 61966-2-1:1999, equation 7.
+/// Source: IEC 61966-2-1:1999.
 #[must_use]
 pub fn quantise_8bit<R: Real>(code: R) -> u8 {
     let scaled = code.clamp(R::ZERO, R::ONE) * R::from_f64(255.0) + R::HALF;
@@ -206,7 +206,7 @@ mod tests {
         }
     }
 
-    /// `published`: the four-digit matrix of IEC 61966-2-1 (equation 7 of its clause 5.2), half a unit of its last digit;
+    /// `published`: the four-digit matrix of IEC 61966-2-1, half a unit of its last digit;
     /// `independent`: `normalised_primary_matrix` of colour-science 0.4.7 from the same chromaticities.
     #[test]
     fn the_matrix_is_the_standards() {

@@ -4,7 +4,7 @@ use crate::Real;
 
 /// XYZ of CIE standard illuminant D65, relative to Y = 1.
 ///
-/// Source: ASTM E308-01, table 5. The sum of the CIE tables at 1 nm over 360–830 nm rounds to the same digits; CIE
+/// Source: ASTM E308-01. The sum of the CIE tables at 1 nm over 360–830 nm rounds to the same digits; CIE
 /// 15:2004 prints (0.9504, 1, 1.0888).
 ///
 /// The white of linear sRGB is another one, see [`rgb::WHITE`](super::rgb::WHITE): it is defined by a chromaticity of
@@ -13,13 +13,13 @@ pub const WHITE_D65: [f64; 3] = [0.950_47, 1.0, 1.088_83];
 
 /// XYZ of CIE illuminant D50, relative to Y = 1.
 ///
-/// Source: ASTM E308-01, table 5. The sum of the CIE tables at 1 nm is (0.96424, 1, 0.82513); CIE 15:2004 prints
+/// Source: ASTM E308-01. The sum of the CIE tables at 1 nm is (0.96424, 1, 0.82513); CIE 15:2004 prints
 /// (0.9642, 1, 0.8251).
 pub const WHITE_D50: [f64; 3] = [0.964_22, 1.0, 0.825_21];
 
 /// XYZ of CIE standard illuminant A, relative to Y = 1.
 ///
-/// Source: ASTM E308-01, table 5. The sum at 1 nm of the illuminant's defining formula rounds to the same digits; CIE
+/// Source: ASTM E308-01. The sum at 1 nm of the illuminant's defining formula rounds to the same digits; CIE
 /// 15:2004 prints (1.0985, 1, 0.3558).
 pub const WHITE_A: [f64; 3] = [1.098_50, 1.0, 0.355_85];
 
@@ -34,7 +34,7 @@ pub const WHITE_E: [f64; 3] = [1.0, 1.0, 1.0];
 /// `None` where a chromaticity is not defined: when the sum is 0 (black), not finite, or so large that it overflows,
 /// or when a component is NaN. Real lights have X + Y + Z > 0; a negative sum is divided by like any other.
 ///
-/// Source: CIE 15:2018, clause 7.3.
+/// Source: CIE 15:2018.
 ///
 /// ```
 /// use spectral_core::colour::{xyz_to_xyy, xyz::WHITE_E};
@@ -59,7 +59,7 @@ pub fn xyz_to_xyy<R: Real>([x, y, z]: [R; 3]) -> Option<[R; 3]> {
 /// `None` when y = 0 and Y ≠ 0 (no finite colour has it), when an argument is not finite, and when the result
 /// overflows.
 ///
-/// Source: CIE 15:2018, clause 7.3.
+/// Source: CIE 15:2018.
 ///
 /// ```
 /// use spectral_core::colour::xyy_to_xyz;
@@ -109,7 +109,7 @@ mod tests {
     }
 
     /// `independent`: sums of the CIE tables (A: its formula) times the colour-matching functions at 1 nm over
-    /// 360–830 nm, by a separate script. D50 is printed by ASTM from another interpolation of the daylight basis.
+    /// 360–830 nm, by a separate script. Of D50 ASTM prints another fourth digit of Z.
     #[test]
     fn white_points_are_the_integrals_of_their_illuminants() {
         assert_close(WHITE_A, [1.098_503_38, 1.0, 0.355_849_39], 5e-6);
