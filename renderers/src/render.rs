@@ -7,7 +7,7 @@ use std::time::Instant;
 use spectral_core::colour::rgb;
 
 use crate::geometry::filter::Filter;
-use crate::geometry::sampling::Sobol;
+use crate::geometry::sampling::SobolSequence;
 use crate::image::{ImageError, Picture, Raster, ScalarMap};
 use crate::scene::{self, Scene};
 use crate::spectral::{
@@ -88,7 +88,7 @@ pub fn render(scene: &Scene, options: &Options, progress: &(dyn Fn(usize) + Sync
         size: size.map(|s| s as usize),
         samples: options.samples.unwrap_or(scene.sampler.sample_count).max(1),
         seed: options.seed.unwrap_or(scene.sampler.seed),
-        filter: filter(scene.film.filter),
+        filter: filter(scene.film.filter)?,
         scene: &whitted,
         progress,
     };
@@ -110,12 +110,13 @@ pub fn render(scene: &Scene, options: &Options, progress: &(dyn Fn(usize) + Sync
     pixels.into_rendering(frame.size, prepared).map_err(|e| RenderError::new(e.to_string()))
 }
 
-fn filter(filter: scene::Filter) -> Filter {
+fn filter(filter: scene::Filter) -> Result<Filter, RenderError> {
     match filter {
-        scene::Filter::Box => Filter::Box,
-        scene::Filter::Tent { radius } => Filter::Tent { radius },
-        scene::Filter::Gaussian { stddev } => Filter::Gaussian { stddev },
+        scene::Filter::Box => Filter::constant(0.5),
+        scene::Filter::Tent { radius } => Filter::tent(radius),
+        scene::Filter::Gaussian { stddev } => Filter::gaussian(stddev),
     }
+    .map_err(|e| RenderError::new(e.to_string()))
 }
 
 /// What all threads share.
@@ -177,14 +178,15 @@ impl Frame<'_> {
     }
 
     /// One pixel: all its camera rays in one expression, evaluated once.
-    #[allow(clippy::cast_precision_loss, reason = "pixel coordinates")]
+    #[allow(clippy::cast_precision_loss, clippy::cast_possible_truncation, reason = "pixel coordinates; a hashed seed")]
     fn pixel<R: Resolver>(&self, x: usize, y: usize, worker: &mut Worker<'_>, resolver: &mut R) -> Colour {
         worker.start_pixel();
         let mut radiance = Radiance::default();
         let weight = 1.0 / f64::from(self.samples);
-        let sobol = Sobol::for_pixel(self.seed, x, y);
+        let seed = (self.seed ^ (self.seed >> 32)) as u32;
+        let points = SobolSequence::for_pixel(x as u32, y as u32, seed);
         for sample in 0..self.samples {
-            let [dx, dy] = self.filter.sample(sobol.point(sample));
+            let [dx, dy] = self.filter.square_to_offset(points.point(sample, 0)).map(f64::from);
             worker.sample(x as f64 + 0.5 + dx, y as f64 + 0.5 + dy, weight, &mut radiance);
         }
         resolver.resolve(&radiance, worker)

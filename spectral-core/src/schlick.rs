@@ -111,7 +111,8 @@ mod tests {
             assert!((diffuse + glossy + specular - 1.0).abs() <= 1e-15);
             for v in [0.2, 0.5, 0.9, 1.0] {
                 let reflected = albedo(&model, v) + specular;
-                assert!(reflected <= 1.0 && reflected > 0.4, "r {r} v {v}: {reflected}");
+                // The sum of 80 000 terms is rounded.
+                assert!(reflected <= 1.0 + 1e-10 && reflected > 0.4, "r {r} v {v}: {reflected}");
             }
         }
         let lambert = Schlick::<f64>::new(1.0, 1.0).unwrap();

@@ -3,10 +3,13 @@
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
-use renderers::image::{FalseColour, ScalarMap, write_exr, write_png};
+use renderers::image::{FalseColour, Scale, ScalarMap, write_exr, write_png};
+use renderers::progress::Progress;
 use renderers::render::{Options, Rendering, Spectra, render};
+use renderers::report::{ChartLabels, Histogram, Table};
 use renderers::scene::{self, Scene, builtin};
 use renderers::spectral::IntervalSettings;
+use serde_json::json;
 use spectral_core::adaptive::Mode;
 
 use super::{Answer, Failure};
@@ -95,12 +98,15 @@ impl Arguments {
     pub(super) fn run(self) -> Result<Answer, Failure> {
         let options = self.options()?;
         let scene = self.load()?;
-        let pixels = options.size.map_or([scene.film.width, scene.film.height], |s| s);
-        let _ = pixels;
-        let rendering = render(&scene, &options, &|_| {})
+        let [width, height] = options.size.unwrap_or([scene.film.width, scene.film.height]);
+        make_folder(&self.out)?;
+        let bar = Progress::new("render", u64::from(width) * u64::from(height));
+        let rendering = render(&scene, &options, &|pixels| bar.add(pixels as u64))
             .map_err(|e| Failure(format!("{}: {e}", self.scene)))?;
-        let files = self.write(&scene, &options, &rendering)?;
-        Ok(answer(&scene, &options, &rendering, &files))
+        drop(bar);
+        let report = Report::new(&scene, &options, &rendering, self.threshold);
+        let files = self.write(&report, &rendering)?;
+        Ok(report.answer(&files))
     }
 
     fn options(&self) -> Result<Options, Failure> {
@@ -132,34 +138,150 @@ impl Arguments {
         Ok(scene::load(&scene::Source::disk(&self.scene), &self.define)?)
     }
 
-    fn write(&self, scene: &Scene, options: &Options, rendering: &Rendering) -> Result<Vec<PathBuf>, Failure> {
-        std::fs::create_dir_all(&self.out).map_err(|e| Failure(format!("{}: {e}", self.out.display())))?;
-        let stem = format!("{}-{}", scene.name, options.spectra.to_string().replace(':', ""));
-        let path = |suffix: &str| self.out.join(format!("{stem}{suffix}"));
-        let mut files = vec![path(".png"), path(".exr")];
-        write_png(&files[0], &rendering.picture, 1.0)?;
-        write_exr(&files[1], &rendering.picture, &channels(rendering), &[])?;
+    /// Writes all pictures and returns their names.
+    fn write(&self, report: &Report, rendering: &Rendering) -> Result<Vec<PathBuf>, Failure> {
+        let stem = format!("{}-{}", report.scene, report.spectra.replace(':', ""));
+        let mut files = Vec::new();
+        let mut file = |suffix: &str| {
+            files.push(self.out.join(format!("{stem}{suffix}")));
+            files.last().cloned().unwrap_or_default()
+        };
+        write_png(&file(".png"), &rendering.picture, 1.0)?;
+        let mut channels = vec![("intervals", &rendering.intervals)];
+        channels.extend(rendering.delta_e.as_ref().map(|map| ("delta_e.bound", map)));
+        channels.extend(rendering.path_delta_e.as_ref().map(|map| ("delta_e.path", map)));
+        write_exr(&file(".exr"), &rendering.picture, &channels, &[])?;
         if let Some(bound) = &rendering.delta_e {
-            files.push(path("-intervals.png"));
-            FalseColour::counts("intervals", &rendering.intervals).write_png(&path("-intervals.png"), &rendering.intervals)?;
-            files.push(path("-bound.png"));
-            FalseColour::new("bound of ΔE*ab", 0.0, self.threshold).write_png(&path("-bound.png"), bound)?;
+            FalseColour::counts("Intervals", &rendering.intervals)
+                .write_png(&file("-intervals.png"), &rendering.intervals)?;
+            FalseColour::new("Bound of ΔE*ab", 0.0, self.threshold).write_png(&file("-bound.png"), bound)?;
+            let title = format!("Intervals per pixel, threshold {}", self.threshold);
+            let labels = ChartLabels { title: &title, values: "intervals", counts: "pixels" };
+            report.intervals.write_png(&file("-interval-histogram.png"), &labels, Scale::Linear)?;
+            if let Some(errors) = &report.errors {
+                let title = format!("Bound of ΔE*ab per pixel, threshold {}", self.threshold);
+                let labels = ChartLabels { title: &title, values: "bound of ΔE*ab", counts: "pixels" };
+                errors.write_png(&file("-bound-histogram.png"), &labels, Scale::Linear)?;
+            }
         }
         Ok(files)
     }
 }
 
-fn channels(rendering: &Rendering) -> Vec<(&'static str, &ScalarMap)> {
-    let mut channels = vec![("intervals", &rendering.intervals)];
-    channels.extend(rendering.delta_e.as_ref().map(|map| ("deltaE.bound", map)));
-    channels
+fn make_folder(folder: &Path) -> Result<(), Failure> {
+    std::fs::create_dir_all(folder).map_err(|e| Failure(format!("{}: {e}", folder.display())))
 }
 
-fn answer(scene: &Scene, options: &Options, rendering: &Rendering, files: &[PathBuf]) -> Answer {
-    let counts: Vec<f64> = rendering.intervals.pixels().iter().map(|n| f64::from(*n)).collect();
-    let mean = |v: &[f64]| v.iter().sum::<f64>() / v.len() as f64;
-    let max = |v: &[f64]| v.iter().copied().fold(0.0, f64::max);
-    let text = format!("{} {} {:.3}s prep {:.3}s rays {} intervals mean {:.3} max {}", scene.name, options.spectra, rendering.seconds, rendering.preparation_seconds, rendering.rays, mean(&counts), max(&counts));
-    let _ = files;
-    Answer { text, json: serde_json::json!({}) }
+/// What a rendering is summed up to.
+struct Report {
+    scene: String,
+    spectra: String,
+    size: [usize; 2],
+    seconds: [f64; 2],
+    rays: u64,
+    intervals: Histogram,
+    interval_mean: f64,
+    interval_max: f64,
+    /// Mean and maximum of the bound, of its part that comes of deferred paths, and the share of pixels above the threshold.
+    bound: Option<[f64; 4]>,
+    errors: Option<Histogram>,
+    threshold: f64,
+}
+
+impl Report {
+    fn new(scene: &Scene, options: &Options, rendering: &Rendering, threshold: f64) -> Self {
+        let [interval_mean, interval_max] = mean_and_max(&rendering.intervals);
+        let bound = rendering.delta_e.as_ref().map(|map| {
+            let [mean, max] = mean_and_max(map);
+            let [path, _] = rendering.path_delta_e.as_ref().map_or([0.0; 2], mean_and_max);
+            let above = map.pixels().iter().filter(|e| !(f64::from(**e) <= threshold)).count();
+            #[allow(clippy::cast_precision_loss, reason = "a share of pixels")]
+            let share = above as f64 / map.pixels().len() as f64;
+            [mean, max, path, share]
+        });
+        let errors = rendering.delta_e.as_ref().and_then(|map| {
+            Histogram::of_values(map.pixels().iter().map(|e| f64::from(*e)), 0.0, threshold, 24).ok()
+        });
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "whole numbers of intervals")]
+        let counts = rendering.intervals.pixels().iter().map(|n| *n as usize);
+        Self {
+            scene: scene.name.clone(),
+            spectra: options.spectra.to_string(),
+            size: [rendering.picture.width(), rendering.picture.height()],
+            seconds: [rendering.seconds, rendering.preparation_seconds],
+            rays: rendering.rays,
+            intervals: Histogram::of_counts(counts),
+            interval_mean,
+            interval_max,
+            bound,
+            errors,
+            threshold,
+        }
+    }
+
+    fn answer(&self, files: &[PathBuf]) -> Answer {
+        Answer { text: self.text(files), json: self.json(files) }
+    }
+
+    fn text(&self, files: &[PathBuf]) -> String {
+        let mut table = Table::new(["quantity", "value"]);
+        let [width, height] = self.size;
+        table.row(["scene".to_owned(), self.scene.clone()]);
+        table.row(["spectra".to_owned(), self.spectra.clone()]);
+        table.row(["size".to_owned(), format!("{width} × {height}")]);
+        table.row(["seconds (preparation)".to_owned(), format!("{:.3} ({:.3})", self.seconds[0], self.seconds[1])]);
+        table.row(["rays, shadow rays not counted".to_owned(), self.rays.to_string()]);
+        table.row(["intervals, mean".to_owned(), format!("{:.2}", self.interval_mean)]);
+        table.row(["intervals, maximum".to_owned(), format!("{}", self.interval_max)]);
+        if let Some([mean, max, path, above]) = self.bound {
+            table.row(["bound of ΔE*ab, mean".to_owned(), format!("{mean:.3}")]);
+            table.row(["bound of ΔE*ab, maximum".to_owned(), format!("{max:.3}")]);
+            if path > 0.0 {
+                table.row(["of it estimated, from refracted paths, mean".to_owned(), format!("{path:.3}")]);
+            }
+            table.row([format!("pixels above {}", self.threshold), format!("{:.2} %", 100.0 * above)]);
+        }
+        let mut text = table.to_string();
+        if self.bound.is_some() {
+            text += "\nintervals per pixel\n";
+            text += &self.intervals.to_text(40);
+        }
+        text += "\n";
+        for file in files {
+            text += &format!("{}\n", file.display());
+        }
+        text
+    }
+
+    fn json(&self, files: &[PathBuf]) -> serde_json::Value {
+        let [width, height] = self.size;
+        let bound = self.bound.map(|[mean, max, path, above]| {
+            json!({ "mean": mean, "max": max, "path_mean": path, "share_above_threshold": above })
+        });
+        json!({
+            "scene": self.scene,
+            "renderer": "whitted",
+            "spectra": self.spectra,
+            "width": width,
+            "height": height,
+            "seconds": self.seconds[0],
+            "preparation_seconds": self.seconds[1],
+            "rays": self.rays,
+            "intervals": {
+                "mean": self.interval_mean,
+                "max": self.interval_max,
+                "histogram": self.intervals.counts(),
+            },
+            "delta_e_bound": bound,
+            "delta_e_bound_histogram": self.errors.as_ref().map(Histogram::counts),
+            "files": files,
+        })
+    }
+}
+
+fn mean_and_max(map: &ScalarMap) -> [f64; 2] {
+    let values = || map.pixels().iter().map(|v| f64::from(*v));
+    #[allow(clippy::cast_precision_loss, reason = "a count of pixels")]
+    let count = map.pixels().len() as f64;
+    [values().sum::<f64>() / count, values().fold(0.0, f64::max)]
 }
