@@ -13,11 +13,8 @@ pub fn square_to_disk<R: Real>([u, v]: [R; 2]) -> [R; 2] {
         return [R::ZERO; 2];
     }
     let quarter = R::PI / R::from_f64(4.0);
-    let (radius, angle) = if x.abs() > y.abs() {
-        (x, quarter * (y / x))
-    } else {
-        (y, R::PI / R::TWO - quarter * (x / y))
-    };
+    let (radius, angle) =
+        if x.abs() > y.abs() { (x, quarter * (y / x)) } else { (y, R::PI / R::TWO - quarter * (x / y)) };
     [radius * angle.cos(), radius * angle.sin()]
 }
 
@@ -49,10 +46,7 @@ mod tests {
                 let [x, y] = square_to_disk(square);
                 assert!(x.hypot(y) <= 1.0 + 2.0 * f64::EPSILON);
                 let back = disk_to_square([x, y]);
-                assert!(
-                    (back[0] - square[0]).abs().max((back[1] - square[1]).abs())
-                        <= 4.0 * f64::EPSILON
-                );
+                assert!((back[0] - square[0]).abs().max((back[1] - square[1]).abs()) <= 4.0 * f64::EPSILON);
             }
         }
     }
@@ -62,8 +56,7 @@ mod tests {
         // The Jacobian determinant by central differences is π everywhere off the diagonals.
         for (u, v) in [(0.1, 0.4), (0.7, 0.55), (0.52, 0.9), (0.3, 0.05)] {
             let h = 1e-5;
-            let d =
-                |a: [f64; 2], b: [f64; 2]| [(a[0] - b[0]) / (2.0 * h), (a[1] - b[1]) / (2.0 * h)];
+            let d = |a: [f64; 2], b: [f64; 2]| [(a[0] - b[0]) / (2.0 * h), (a[1] - b[1]) / (2.0 * h)];
             let du = d(square_to_disk([u + h, v]), square_to_disk([u - h, v]));
             let dv = d(square_to_disk([u, v + h]), square_to_disk([u, v - h]));
             let jacobian = (du[0] * dv[1] - du[1] * dv[0]).abs();

@@ -14,11 +14,7 @@ type Vector<R> = [R; 3];
 ///
 /// Domain: finite corners, a point that is not on the polygon itself. A point in the polygon's plane gives 0, fewer than three
 /// corners give 0. Accuracy: a few ε absolute, that is, relative to the factor 1 of a polygon that fills the sky.
-pub fn polygon_configuration_factor<R: Real>(
-    point: Vector<R>,
-    normal: Vector<R>,
-    corners: &[Vector<R>],
-) -> R {
+pub fn polygon_configuration_factor<R: Real>(point: Vector<R>, normal: Vector<R>, corners: &[Vector<R>]) -> R {
     let mut sum = R::ZERO;
     let mut leaving = None;
     let mut entering = None;
@@ -33,8 +29,7 @@ pub fn polygon_configuration_factor<R: Real>(
             sum += edge(before, here, normal);
         } else if above_before != (height > R::ZERO) {
             let t = height_before / (height_before - height);
-            let crossing: Vector<R> =
-                core::array::from_fn(|a| before[a] + (here[a] - before[a]) * t);
+            let crossing: Vector<R> = core::array::from_fn(|a| before[a] + (here[a] - before[a]) * t);
             if above_before {
                 sum += edge(before, crossing, normal);
                 leaving = Some(crossing);
@@ -92,9 +87,7 @@ mod tests {
 
     #[test]
     fn agrees_with_the_parallel_rectangle() {
-        for (a, b, c) in
-            [(1.0_f64, 1.0_f64, 1.0_f64), (2.0, 0.5, 0.1), (1e-3, 1e-3, 1.0), (100.0, 1.0, 3.0)]
-        {
+        for (a, b, c) in [(1.0_f64, 1.0_f64, 1.0_f64), (2.0, 0.5, 0.1), (1e-3, 1e-3, 1.0), (100.0, 1.0, 3.0)] {
             let corners = [[0.0, 0.0, c], [a, 0.0, c], [a, b, c], [0.0, b, c]];
             let exact = parallel_corner(a, b, c);
             let found = polygon_configuration_factor([0.0; 3], [0.0, 0.0, 1.0], &corners);
@@ -110,10 +103,7 @@ mod tests {
         let up = [0.0, 0.0, 1.0];
         let expected = polygon_configuration_factor([0.0; 3], up, &half);
         let found: f64 = polygon_configuration_factor([0.0; 3], up, &whole);
-        assert!(
-            (found - expected).abs() <= 8.0 * f64::EPSILON && found > 0.05,
-            "{found} {expected}"
-        );
+        assert!((found - expected).abs() <= 8.0 * f64::EPSILON && found > 0.05, "{found} {expected}");
         assert_eq!(polygon_configuration_factor([0.0, 0.0, 2.0], up, &whole), 0.0);
     }
 

@@ -158,15 +158,12 @@ pub fn compare(
     options: &CompareOptions,
 ) -> Result<Comparison, CompareError> {
     let pictures = [read_picture(first)?, read_picture(second)?];
-    let difference =
-        difference(&pictures[0], &pictures[1], options).map_err(|error| match error {
-            CompareError::Size { first: a, second: b } => CompareError::FileSize {
-                first: first.to_owned(),
-                second: second.to_owned(),
-                sizes: [a, b],
-            },
-            other => other,
-        })?;
+    let difference = difference(&pictures[0], &pictures[1], options).map_err(|error| match error {
+        CompareError::Size { first: a, second: b } => {
+            CompareError::FileSize { first: first.to_owned(), second: second.to_owned(), sizes: [a, b] }
+        }
+        other => other,
+    })?;
     let mut comparison = difference.statistics();
     comparison.files = difference.write(directory)?;
     Ok(comparison)
@@ -180,11 +177,7 @@ pub fn compare(
 ///
 /// # Errors
 /// [`CompareError::Size`], [`CompareError::Option`], [`CompareError::NotFinite`].
-pub fn difference(
-    first: &Picture,
-    second: &Picture,
-    options: &CompareOptions,
-) -> Result<Difference, CompareError> {
+pub fn difference(first: &Picture, second: &Picture, options: &CompareOptions) -> Result<Difference, CompareError> {
     for (name, value) in [("exposure", options.exposure), ("floor", options.floor)] {
         if !(value > 0.0 && value.is_finite()) {
             return Err(CompareError::Option { name, value });
@@ -201,15 +194,9 @@ pub fn difference(
     }
     let raster = |pixels| Raster::from_pixels(first.width(), first.height(), pixels);
     Ok(Difference {
-        linear: Raster::from_pixels(
-            first.width(),
-            first.height(),
-            pairs().map(subtract).collect(),
-        )?,
+        linear: Raster::from_pixels(first.width(), first.height(), pairs().map(subtract).collect())?,
         delta_e00: raster(pairs().map(|pair| colour_difference(pair, options)).collect())?,
-        relative_brightness: raster(
-            pairs().map(|pair| relative_brightness(pair, options)).collect(),
-        )?,
+        relative_brightness: raster(pairs().map(|pair| relative_brightness(pair, options)).collect())?,
     })
 }
 
@@ -250,8 +237,7 @@ impl Difference {
     /// The figures, without files.
     #[must_use]
     pub fn statistics(&self) -> Comparison {
-        let mut sorted: Vec<f64> =
-            self.delta_e00.pixels().iter().map(|&value| f64::from(value)).collect();
+        let mut sorted: Vec<f64> = self.delta_e00.pixels().iter().map(|&value| f64::from(value)).collect();
         sorted.par_sort_unstable_by(f64::total_cmp);
         let brightness = self.relative_brightness.pixels();
         Comparison {
@@ -291,8 +277,7 @@ impl Difference {
         let limit = round_up(covering(&self.relative_brightness)).max(1e-3);
         FalseColour::signed(&title, limit).write_png(&files[1], &self.relative_brightness)?;
 
-        let channels =
-            [("delta_e00", &self.delta_e00), ("relative_brightness", &self.relative_brightness)];
+        let channels = [("delta_e00", &self.delta_e00), ("relative_brightness", &self.relative_brightness)];
         let comments = "R, G, B: the first picture minus the second one, linear Rec. 709";
         write_exr(&files[2], &self.linear, &channels, &[("comments", comments)])?;
         Ok(files.into())
@@ -312,11 +297,7 @@ fn round_up(value: f64) -> f64 {
         return 0.0;
     }
     let decade = 10.0_f64.powf(value.log10().floor());
-    [1.0, 2.0, 5.0]
-        .into_iter()
-        .map(|factor| factor * decade)
-        .find(|&limit| limit >= value)
-        .unwrap_or(10.0 * decade)
+    [1.0, 2.0, 5.0].into_iter().map(|factor| factor * decade).find(|&limit| limit >= value).unwrap_or(10.0 * decade)
 }
 
 /// The mean of numbers in a fixed order, so that it does not depend on threads.
@@ -351,9 +332,7 @@ mod tests {
     #[test]
     fn equal_pictures_do_not_differ() {
         for value in [0.0, -0.5, 0.18, 1.0, 1e6, f32::MAX] {
-            let comparison = difference(&grey(value), &grey(value), &CompareOptions::default())
-                .unwrap()
-                .statistics();
+            let comparison = difference(&grey(value), &grey(value), &CompareOptions::default()).unwrap().statistics();
             assert_eq!(comparison.delta_e00, DeltaEStatistics { mean: 0.0, p95: 0.0, max: 0.0 });
             assert_eq!(comparison.relative_brightness, BrightnessRange { min: 0.0, max: 0.0 });
         }
@@ -377,9 +356,7 @@ mod tests {
     #[test]
     fn dark_pixels_are_not_divided_by() {
         let options = CompareOptions::default();
-        let ratio = |a, b| {
-            difference(&grey(a), &grey(b), &options).unwrap().relative_brightness.pixels()[0]
-        };
+        let ratio = |a, b| difference(&grey(a), &grey(b), &options).unwrap().relative_brightness.pixels()[0];
         assert_eq!(ratio(0.0, 1e-9), 0.0);
         assert_eq!(ratio(-3.0, 0.0), 0.0);
         assert!((ratio(1.0, 0.0) - 999.0).abs() <= 1e-3);
@@ -408,9 +385,7 @@ mod tests {
 
     #[test]
     fn limits_are_round() {
-        for (value, limit) in
-            [(0.0, 0.0), (0.99, 1.0), (1.01, 2.0), (2.5, 5.0), (7.0, 10.0), (3e-4, 5e-4)]
-        {
+        for (value, limit) in [(0.0, 0.0), (0.99, 1.0), (1.01, 2.0), (2.5, 5.0), (7.0, 10.0), (3e-4, 5e-4)] {
             assert!((round_up(value) - limit).abs() <= 1e-12 * limit, "{value}");
         }
     }
@@ -424,29 +399,19 @@ mod tests {
         let mut bad = grey(0.5);
         bad.pixels_mut()[6][1] = f32::NAN;
         for (a, b) in [(&bad, &grey(0.5)), (&grey(0.5), &bad)] {
-            assert!(matches!(
-                difference(a, b, &options),
-                Err(CompareError::NotFinite { x: 2, y: 1 })
-            ));
+            assert!(matches!(difference(a, b, &options), Err(CompareError::NotFinite { x: 2, y: 1 })));
         }
         for value in [0.0, -1.0, f32::NAN, f32::INFINITY] {
             let exposure = CompareOptions { exposure: value, ..options };
-            assert!(matches!(
-                difference(&bad, &bad, &exposure),
-                Err(CompareError::Option { name: "exposure", .. })
-            ));
+            assert!(matches!(difference(&bad, &bad, &exposure), Err(CompareError::Option { name: "exposure", .. })));
             let floor = CompareOptions { floor: value, ..options };
-            assert!(matches!(
-                difference(&bad, &bad, &floor),
-                Err(CompareError::Option { name: "floor", .. })
-            ));
+            assert!(matches!(difference(&bad, &bad, &floor), Err(CompareError::Option { name: "floor", .. })));
         }
     }
 
     #[test]
     fn the_report_has_its_keys() {
-        let comparison =
-            difference(&grey(0.5), &grey(0.25), &CompareOptions::default()).unwrap().statistics();
+        let comparison = difference(&grey(0.5), &grey(0.25), &CompareOptions::default()).unwrap().statistics();
         let json = serde_json::to_value(&comparison).unwrap();
         for key in ["/delta_e00/mean", "/delta_e00/p95", "/delta_e00/max"] {
             assert!(json.pointer(key).unwrap().as_f64().unwrap() > 0.0, "{key}");

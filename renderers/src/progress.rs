@@ -62,8 +62,7 @@ impl Progress {
     }
 }
 
-const TEMPLATE: &str =
-    "{prefix} [{bar:32}] {percent:>3} %  {elapsed_precise} gone, {eta_precise} left";
+const TEMPLATE: &str = "{prefix} [{bar:32}] {percent:>3} %  {elapsed_precise} gone, {eta_precise} left";
 
 impl Drop for Progress {
     fn drop(&mut self) {
@@ -126,8 +125,7 @@ mod tests {
     #[test]
     fn the_bar_shows_label_share_and_both_times() {
         let record = Record(Box::leak(Box::default()));
-        let progress =
-            Progress::on(ProgressDrawTarget::term_like(Box::new(record)), "rendering", 200);
+        let progress = Progress::on(ProgressDrawTarget::term_like(Box::new(record)), "rendering", 200);
         progress.add(50);
         progress.bar.as_ref().unwrap().force_draw();
         let text = record.0.lock().unwrap().clone();

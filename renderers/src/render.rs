@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use spectral_core::colour::rgb;
 
-use crate::geometry::filter::Filter;
+use crate::geometry::Filter;
 use crate::geometry::sampling::SobolSequence;
 use crate::image::{ImageError, Picture, Raster, ScalarMap};
 use crate::scene::{self, Scene};
@@ -209,7 +209,7 @@ impl Pixels {
     }
 }
 
-#[allow(clippy::cast_possible_truncation, reason = "pictures are kept in f32")]
+#[allow(clippy::cast_possible_truncation, reason = "pictures are kept in f32, where nothing is infinite")]
 fn single(value: f64) -> f32 {
-    value as f32
+    value.min(f64::from(f32::MAX)) as f32
 }

@@ -40,8 +40,7 @@ impl Table {
 
     /// Whether all cells of a column are numbers (or empty, or a dash), a unit after them allowed.
     fn is_numeric(&self, column: usize) -> bool {
-        let mut cells =
-            self.rows.iter().filter_map(|row| row.get(column)).filter(|cell| !cell.is_empty());
+        let mut cells = self.rows.iter().filter_map(|row| row.get(column)).filter(|cell| !cell.is_empty());
         let number = |cell: &String| {
             let rest = cell.trim_start_matches(['+', '-', '−', '–', '<', '>', '≤', '≥', ' ', '.']);
             rest.is_empty() || rest.starts_with(|c: char| c.is_ascii_digit())
@@ -97,8 +96,7 @@ impl Histogram {
     ///
     /// It has as many bins as the largest value asks for, at most [`MAX_BINS`]; what is larger is counted as outside.
     pub fn of_counts(values: impl IntoIterator<Item = usize>) -> Self {
-        let mut histogram =
-            Self { low: -0.5, step: 1.0, whole: true, counts: Vec::new(), outside: 0 };
+        let mut histogram = Self { low: -0.5, step: 1.0, whole: true, counts: Vec::new(), outside: 0 };
         for value in values {
             if value >= MAX_BINS {
                 histogram.outside += 1;
@@ -187,8 +185,7 @@ impl Histogram {
             .map(|first| (first, self.counts[first..(first + group).min(filled.end)].iter().sum()))
             .collect();
         let largest = lines.iter().map(|&(_, count)| count).max().unwrap_or(0);
-        let mut table =
-            Table::new([if self.whole { "value" } else { "from" }, "count", "share", "up to", ""]);
+        let mut table = Table::new([if self.whole { "value" } else { "from" }, "count", "share", "up to", ""]);
         for (first, count) in lines {
             table.row([
                 self.label(first, group),
@@ -199,11 +196,7 @@ impl Histogram {
             ]);
         }
         if self.outside > 0 {
-            table.row([
-                "outside".to_owned(),
-                self.outside.to_string(),
-                percent(share(self.outside, self.total())),
-            ]);
+            table.row(["outside".to_owned(), self.outside.to_string(), percent(share(self.outside, self.total()))]);
         }
         table.to_string()
     }
@@ -222,12 +215,7 @@ impl Histogram {
     ///
     /// # Errors
     /// [`ImageError::Io`].
-    pub fn write_png(
-        &self,
-        path: &Path,
-        labels: &ChartLabels<'_>,
-        scale: Scale,
-    ) -> Result<(), ImageError> {
+    pub fn write_png(&self, path: &Path, labels: &ChartLabels<'_>, scale: Scale) -> Result<(), ImageError> {
         Chart::new(self, scale)?.draw(labels)?.write_png(path)
     }
 }
@@ -248,11 +236,7 @@ fn bin(fraction: f64, bins: usize) -> Option<usize> {
     if !(0.0..=1.0).contains(&fraction) {
         return None;
     }
-    #[allow(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "between 0 and the number of bins"
-    )]
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "between 0 and the number of bins")]
     let index = (fraction * size(bins)) as usize;
     Some(index.min(bins - 1))
 }
@@ -282,11 +266,7 @@ fn decimals(step: f64) -> usize {
 /// The length of a bar; at least 1 for a count that is not 0.
 fn bar_length(count: u64, largest: u64, width: usize) -> usize {
     let length = share(count, largest) * size(width);
-    #[allow(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "between 0 and the width"
-    )]
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "between 0 and the width")]
     let length = length.round() as usize;
     if count > 0 { length.max(1) } else { 0 }
 }
@@ -327,8 +307,7 @@ impl<'h> Chart<'h> {
 
     #[allow(clippy::cast_possible_truncation, reason = "coordinates in pixels")]
     fn x(&self, value: f64) -> f32 {
-        let (low, high) =
-            (self.histogram.start(self.bins.start), self.histogram.start(self.bins.end));
+        let (low, high) = (self.histogram.start(self.bins.start), self.histogram.start(self.bins.end));
         PLOT[0] + (PLOT[2] - PLOT[0]) * Scale::Linear.fraction(value, low, high) as f32
     }
 
@@ -368,16 +347,12 @@ impl<'h> Chart<'h> {
             if count == 0 {
                 continue;
             }
-            let (left, right) =
-                (self.x(self.histogram.start(bin)), self.x(self.histogram.start(bin + 1)));
+            let (left, right) = (self.x(self.histogram.start(bin)), self.x(self.histogram.start(bin + 1)));
             // A gap between bars that are wide enough for one.
             let gap = if right - left >= 4.0 { 1.0 } else { 0.0 };
             #[allow(clippy::cast_precision_loss, reason = "numbers of pixels are far below 2^53")]
             let top = self.y(count as f64).min(PLOT[3] - 1.0);
-            canvas.rectangle(
-                [left + 0.5 * gap, top, (right - left - gap).max(0.5), PLOT[3] - top],
-                colour,
-            );
+            canvas.rectangle([left + 0.5 * gap, top, (right - left - gap).max(0.5), PLOT[3] - top], colour);
         }
     }
 
@@ -400,12 +375,7 @@ impl<'h> Chart<'h> {
             let tick = |bin: usize| Tick { value: size(bin), label: bin.to_string() };
             return self.bins.clone().map(tick).collect();
         }
-        let marks = ticks(
-            Scale::Linear,
-            histogram.start(self.bins.start),
-            histogram.start(self.bins.end),
-            8,
-        );
+        let marks = ticks(Scale::Linear, histogram.start(self.bins.start), histogram.start(self.bins.end), 8);
         marks.into_iter().filter(|tick| !histogram.whole || tick.value.fract() == 0.0).collect()
     }
 }
@@ -437,10 +407,7 @@ mod tests {
         let histogram = Histogram::of_counts([3, 1, 3, 3, usize::MAX]);
         assert_eq!(histogram.counts(), [0, 1, 0, 3]);
         assert_eq!((histogram.outside(), histogram.total()), (1, 5));
-        assert_eq!(
-            [0, 1, 2, 3, 9].map(|bin| histogram.share_up_to(bin)),
-            [0.0, 0.2, 0.2, 0.8, 0.8]
-        );
+        assert_eq!([0, 1, 2, 3, 9].map(|bin| histogram.share_up_to(bin)), [0.0, 0.2, 0.2, 0.8, 0.8]);
         let text = histogram.to_text(6);
         let lines: Vec<_> = text.lines().collect();
         assert_eq!(lines[2], "1            1  20.00 %  20.00 %  ##");
@@ -466,13 +433,9 @@ mod tests {
 
     #[test]
     fn impossible_histograms_are_refused() {
-        for (low, high, bins) in [
-            (0.0, 0.0, 4),
-            (1.0, 0.0, 4),
-            (f64::NAN, 1.0, 4),
-            (0.0, 1.0, 0),
-            (0.0, 1.0, MAX_BINS + 1),
-        ] {
+        for (low, high, bins) in
+            [(0.0, 0.0, 4), (1.0, 0.0, 4), (f64::NAN, 1.0, 4), (0.0, 1.0, 0), (0.0, 1.0, MAX_BINS + 1)]
+        {
             assert!(Histogram::of_values([0.5], low, high, bins).is_err());
         }
     }
@@ -480,8 +443,7 @@ mod tests {
     #[test]
     fn an_empty_histogram_is_drawn() {
         let labels = ChartLabels { title: "", values: "", counts: "" };
-        for histogram in [Histogram::of_counts([]), Histogram::of_values([], 0.0, 1.0, 3).unwrap()]
-        {
+        for histogram in [Histogram::of_counts([]), Histogram::of_values([], 0.0, 1.0, 3).unwrap()] {
             assert_eq!(histogram.to_text(10).lines().count(), 2);
             assert_eq!(histogram.share_up_to(0), 0.0);
             for scale in [Scale::Linear, Scale::Logarithmic] {

@@ -45,10 +45,8 @@ pub fn delta_e_bound<R: Real>(xyz: [R; 3], radius: [R; 3], white: [R; 3]) -> Col
         square(lightness * y) + square(red_green * x) + square(yellow_blue * z)
     };
     let largest = corner(down[1]).max(corner(up[1])).sqrt();
-    let rounding =
-        lightness * size[1] + red_green * (size[0] + size[1]) + yellow_blue * (size[1] + size[2]);
-    let delta_e = largest * (R::ONE + R::from_f64(8.0) * R::EPSILON)
-        + R::from_f64(8.0) * R::EPSILON * rounding;
+    let rounding = lightness * size[1] + red_green * (size[0] + size[1]) + yellow_blue * (size[1] + size[2]);
+    let delta_e = largest * (R::ONE + R::from_f64(8.0) * R::EPSILON) + R::from_f64(8.0) * R::EPSILON * rounding;
 
     let u: [R; 3] = core::array::from_fn(|a| slope[a] * radius[a]);
     let a = square(red_green) * (u[0] + u[1]);
@@ -77,13 +75,9 @@ pub fn delta_e_majorant<R: Real>(xyz: [R; 3], radius: [R; 3], white: [R; 3]) -> 
     }
     let [lightness, red_green, yellow_blue] = LAB_SCALE.map(R::from_f64);
     let [x, y, z] = fall;
-    let largest =
-        (square(lightness * y) + square(red_green * (x + y)) + square(yellow_blue * (y + z)))
-            .sqrt();
-    let rounding =
-        lightness * size[1] + red_green * (size[0] + size[1]) + yellow_blue * (size[1] + size[2]);
-    let bound = largest * (R::ONE + R::from_f64(8.0) * R::EPSILON)
-        + R::from_f64(8.0) * R::EPSILON * rounding;
+    let largest = (square(lightness * y) + square(red_green * (x + y)) + square(yellow_blue * (y + z))).sqrt();
+    let rounding = lightness * size[1] + red_green * (size[0] + size[1]) + yellow_blue * (size[1] + size[2]);
+    let bound = largest * (R::ONE + R::from_f64(8.0) * R::EPSILON) + R::from_f64(8.0) * R::EPSILON * rounding;
     if bound.is_finite() && white.iter().all(|w| *w > R::ZERO) { bound } else { R::INFINITY }
 }
 

@@ -40,15 +40,11 @@ impl core::fmt::Display for DispersionError {
             Self::Coefficient { index } => {
                 write!(f, "dispersion coefficient {index} is not finite")
             }
-            Self::Range => {
-                f.write_str("the range of validity is not two positive, increasing wavelengths")
-            }
+            Self::Range => f.write_str("the range of validity is not two positive, increasing wavelengths"),
             Self::Resonance { index } => {
                 write!(f, "the resonance of term {index} lies in the range of validity")
             }
-            Self::Index => {
-                f.write_str("the index is not positive and finite over the range of validity")
-            }
+            Self::Index => f.write_str("the index is not positive and finite over the range of validity"),
         }
     }
 }
@@ -107,11 +103,7 @@ impl<R: Real> Sellmeier<R> {
         let least = |sum, &[b, c]: &[R; 2]| sum + ratio(b, c, short).min(ratio(b, c, long));
         let most = |sum, &[b, c]: &[R; 2]| sum + ratio(b, c, short).max(ratio(b, c, long));
         let (low, high) = (terms.iter().fold(R::ONE, least), terms.iter().fold(R::ONE, most));
-        if low > R::ZERO && high.is_finite() {
-            Ok(Self { terms, valid })
-        } else {
-            Err(DispersionError::Index)
-        }
+        if low > R::ZERO && high.is_finite() { Ok(Self { terms, valid }) } else { Err(DispersionError::Index) }
     }
 }
 

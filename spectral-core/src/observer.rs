@@ -35,15 +35,9 @@ impl core::fmt::Display for ObserverError {
             Self::Grid => {
                 write!(f, "the wavelength grid of the observer is not increasing and finite")
             }
-            Self::Length => write!(
-                f,
-                "the columns of the observer differ in length or have fewer than two nodes"
-            ),
+            Self::Length => write!(f, "the columns of the observer differ in length or have fewer than two nodes"),
             Self::Value { channel, index } => {
-                write!(
-                    f,
-                    "node {index} of channel {channel} of the observer is negative or not finite"
-                )
+                write!(f, "node {index} of channel {channel} of the observer is negative or not finite")
             }
         }
     }

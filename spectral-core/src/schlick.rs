@@ -21,8 +21,7 @@ pub struct Schlick<R> {
 impl<R: Real> Schlick<R> {
     /// A model with roughness r in [0, 1] (0 specular, 1 diffuse) and isotropy p in (0, 1] (1 isotropic); `None` outside.
     pub fn new(roughness: R, isotropy: R) -> Option<Self> {
-        let valid =
-            roughness >= R::ZERO && roughness <= R::ONE && isotropy > R::ZERO && isotropy <= R::ONE;
+        let valid = roughness >= R::ZERO && roughness <= R::ONE && isotropy > R::ZERO && isotropy <= R::ONE;
         valid.then_some(Self { roughness, isotropy })
     }
 

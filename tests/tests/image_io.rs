@@ -8,8 +8,7 @@
 
 use renderers::compare::{CompareError, CompareOptions, compare};
 use renderers::image::{
-    FalseColour, ImageError, Picture, ScalarMap, read_exr, read_picture, read_png, write_atomic,
-    write_exr, write_png,
+    FalseColour, ImageError, Picture, ScalarMap, read_exr, read_picture, read_png, write_atomic, write_exr, write_png,
 };
 use renderers::report::{ChartLabels, Histogram};
 use std::fs;
@@ -25,27 +24,16 @@ fn directory(name: &str) -> PathBuf {
 }
 
 fn names(directory: &Path) -> Vec<String> {
-    let mut names: Vec<String> = fs::read_dir(directory)
-        .unwrap()
-        .map(|entry| entry.unwrap().file_name().into_string().unwrap())
-        .collect();
+    let mut names: Vec<String> =
+        fs::read_dir(directory).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
     names.sort();
     names
 }
 
 /// Every kind of finite `f32`: signs, zeros, subnormal and huge numbers.
 fn varied_picture(width: usize, height: usize) -> Picture {
-    let special = [
-        0.0,
-        -0.0,
-        1.0,
-        -0.25,
-        f32::MIN_POSITIVE,
-        f32::from_bits(1),
-        -f32::from_bits(77),
-        f32::MAX,
-        f32::MIN,
-    ];
+    let special =
+        [0.0, -0.0, 1.0, -0.25, f32::MIN_POSITIVE, f32::from_bits(1), -f32::from_bits(77), f32::MAX, f32::MIN];
     Picture::from_fn(width, height, |x, y| {
         [0, 1, 2].map(|c| {
             let k = 3 * (y * width + x) + c;
@@ -69,19 +57,13 @@ fn exr_comes_back_bit_for_bit() {
     // Sizes around the sixteen rows of a compressed block.
     for (width, height) in [(1, 1), (7, 15), (16, 16), (33, 17), (64, 50)] {
         let picture = varied_picture(width, height);
-        let bound = ScalarMap::from_fn(width, height, |x, y| {
-            -f32::from_bits(u32::try_from(x * y + 1).unwrap())
-        })
-        .unwrap();
+        let bound =
+            ScalarMap::from_fn(width, height, |x, y| -f32::from_bits(u32::try_from(x * y + 1).unwrap())).unwrap();
         let channels = [("bound", &bound), ("S0.550,000000nm", &bound)];
-        let attributes =
-            [("threshold", "3"), ("renderer", "Whitted, größer"), ("comments", "two words")];
+        let attributes = [("threshold", "3"), ("renderer", "Whitted, größer"), ("comments", "two words")];
         write_exr(&file, &picture, &channels, &attributes).unwrap();
         let back = read_exr(&file).unwrap();
-        assert_eq!(
-            bits(back.picture.pixels().as_flattened()),
-            bits(picture.pixels().as_flattened())
-        );
+        assert_eq!(bits(back.picture.pixels().as_flattened()), bits(picture.pixels().as_flattened()));
         assert_eq!((back.picture.width(), back.picture.height()), (width, height));
         assert_eq!(back.channels.len(), 2);
         for (name, map) in &back.channels {
@@ -89,11 +71,7 @@ fn exr_comes_back_bit_for_bit() {
             assert_eq!(bits(map.pixels()), bits(bound.pixels()));
         }
         for (name, text) in attributes {
-            assert!(
-                back.attributes.contains(&(name.to_owned(), text.to_owned())),
-                "{name}: {:?}",
-                back.attributes
-            );
+            assert!(back.attributes.contains(&(name.to_owned(), text.to_owned())), "{name}: {:?}", back.attributes);
         }
         assert_eq!(read_picture(&file).unwrap(), picture);
     }
@@ -126,15 +104,9 @@ fn exposure_is_a_factor_and_the_rest_is_clipped() {
     write_png(&directory.join("a.png"), &picture, 2.0).unwrap();
     let expected = Picture::from_pixels(2, 1, vec![[0.5, 1.0, 0.0], [1.0, 0.0, 1.0]]).unwrap();
     write_png(&directory.join("b.png"), &expected, 1.0).unwrap();
-    assert_eq!(
-        fs::read(directory.join("a.png")).unwrap(),
-        fs::read(directory.join("b.png")).unwrap()
-    );
+    assert_eq!(fs::read(directory.join("a.png")).unwrap(), fs::read(directory.join("b.png")).unwrap());
     for exposure in [0.0, -1.0, f32::NAN, f32::INFINITY] {
-        assert!(matches!(
-            write_png(&directory.join("c.png"), &picture, exposure),
-            Err(ImageError::Exposure(_))
-        ));
+        assert!(matches!(write_png(&directory.join("c.png"), &picture, exposure), Err(ImageError::Exposure(_))));
     }
     assert_eq!(names(&directory), ["a.png", "b.png"]);
 }
@@ -155,11 +127,7 @@ fn pixels_that_are_not_finite_are_refused_and_named() {
             write_exr(&exr, &good, &[("bound", &map)], &[]).unwrap_err(),
         ] {
             let ImageError::NotFinite { channel, x, y, .. } = &error else { panic!("{error}") };
-            assert!(
-                (channel == "B" && (*x, *y) == (1, 1))
-                    || (channel == "bound" && (*x, *y) == (2, 1)),
-                "{error}"
-            );
+            assert!((channel == "B" && (*x, *y) == (1, 1)) || (channel == "bound" && (*x, *y) == (2, 1)), "{error}");
             assert!(error.to_string().contains("a."), "{error}");
         }
     }
@@ -200,11 +168,7 @@ fn survives_damage(original: &Path, truncated_is_refused: bool) {
     for length in 0..bytes.len() {
         fs::write(&damaged, &bytes[..length]).unwrap();
         let result = read_picture(&damaged);
-        assert!(
-            result.is_err() || !truncated_is_refused,
-            "{length} of {} bytes were read",
-            bytes.len()
-        );
+        assert!(result.is_err() || !truncated_is_refused, "{length} of {} bytes were read", bytes.len());
     }
     let mut refused = 0;
     for index in 0..bytes.len() {
@@ -220,19 +184,12 @@ fn survives_damage(original: &Path, truncated_is_refused: bool) {
                     refused += 1;
                     let text = error.to_string();
                     assert!(!text.contains('\n'), "{text}");
-                    assert!(
-                        text.contains("damaged") || matches!(error, ImageError::Size { .. }),
-                        "{text}"
-                    );
+                    assert!(text.contains("damaged") || matches!(error, ImageError::Size { .. }), "{text}");
                 }
             }
         }
     }
-    assert!(
-        refused > bytes.len() / 2,
-        "only {refused} of {} changes were noticed",
-        4 * bytes.len()
-    );
+    assert!(refused > bytes.len() / 2, "only {refused} of {} changes were noticed", 4 * bytes.len());
 }
 
 #[test]
@@ -255,9 +212,7 @@ fn damaged_png_files_are_refused() {
 #[test]
 fn other_files_are_refused_by_name() {
     let directory = directory("other");
-    for (name, content) in
-        [("empty.exr", &b""[..]), ("text.png", b"not a picture"), ("short", b"\x76\x2f")]
-    {
+    for (name, content) in [("empty.exr", &b""[..]), ("text.png", b"not a picture"), ("short", b"\x76\x2f")] {
         let file = directory.join(name);
         fs::write(&file, content).unwrap();
         let error = read_picture(&file).unwrap_err();
@@ -267,10 +222,7 @@ fn other_files_are_refused_by_name() {
         assert!(matches!(read_png(&file), Err(ImageError::Malformed { .. })));
     }
     let error = read_picture(&directory.join("missing.exr")).unwrap_err();
-    assert!(
-        matches!(&error, ImageError::Io { source, .. } if source.kind() == io::ErrorKind::NotFound),
-        "{error}"
-    );
+    assert!(matches!(&error, ImageError::Io { source, .. } if source.kind() == io::ErrorKind::NotFound), "{error}");
     assert!(error.to_string().contains("missing.exr"), "{error}");
     assert!(read_picture(&directory).is_err());
 }
@@ -290,8 +242,7 @@ fn nothing_is_left_when_writing_fails() {
     write_atomic(&file, |file| file.write_all(b"old")).unwrap();
     assert!(write_atomic(&file, fail).is_err());
     assert_eq!(fs::read(&file).unwrap(), b"old");
-    let panicked =
-        std::panic::catch_unwind(|| write_atomic(&file, |_| panic!("in the middle of a file")));
+    let panicked = std::panic::catch_unwind(|| write_atomic(&file, |_| panic!("in the middle of a file")));
     assert!(panicked.is_err());
     assert_eq!(fs::read(&file).unwrap(), b"old");
     assert_eq!(names(&directory), ["a.txt"]);
@@ -306,14 +257,8 @@ fn nothing_but_regular_files_is_replaced() {
     let directory = directory("irregular");
     let place = directory.join("directory");
     fs::create_dir(&place).unwrap();
-    for path in
-        [place.as_path(), &directory.join("missing").join("a.txt"), Path::new("/"), Path::new("")]
-    {
-        assert!(
-            matches!(write_atomic(path, |_| Ok(())), Err(ImageError::Io { .. })),
-            "{}",
-            path.display()
-        );
+    for path in [place.as_path(), &directory.join("missing").join("a.txt"), Path::new("/"), Path::new("")] {
+        assert!(matches!(write_atomic(path, |_| Ok(())), Err(ImageError::Io { .. })), "{}", path.display());
     }
     assert_eq!(names(&directory), ["directory"]);
 }
@@ -342,8 +287,7 @@ fn many_threads_may_write_to_one_place() {
 fn comparing_files_writes_maps_and_numbers() {
     let directory = directory("compare");
     let (first, second) = (directory.join("a.exr"), directory.join("b.png"));
-    let picture =
-        Picture::from_fn(40, 30, |x, y| [x as f32 / 40.0, y as f32 / 30.0, 0.25]).unwrap();
+    let picture = Picture::from_fn(40, 30, |x, y| [x as f32 / 40.0, y as f32 / 30.0, 0.25]).unwrap();
     write_exr(&first, &picture, &[], &[]).unwrap();
     write_png(&second, &picture, 1.0).unwrap();
     let out = directory.join("new").join("maps");
@@ -351,13 +295,9 @@ fn comparing_files_writes_maps_and_numbers() {
     // Half a code of 8-bit sRGB: not nothing, but less than 1 also in the dark.
     assert!(comparison.delta_e00.mean > 0.0 && comparison.delta_e00.max <= 1.0, "{comparison:?}");
     assert!(
-        comparison.delta_e00.mean <= comparison.delta_e00.p95
-            && comparison.delta_e00.p95 <= comparison.delta_e00.max
+        comparison.delta_e00.mean <= comparison.delta_e00.p95 && comparison.delta_e00.p95 <= comparison.delta_e00.max
     );
-    assert!(
-        comparison.relative_brightness.min < 0.0 && comparison.relative_brightness.max > 0.0,
-        "{comparison:?}"
-    );
+    assert!(comparison.relative_brightness.min < 0.0 && comparison.relative_brightness.max > 0.0, "{comparison:?}");
     assert_eq!(comparison.files.len(), names(&out).len());
     for file in &comparison.files {
         let written = read_picture(file).unwrap();
@@ -383,8 +323,7 @@ fn comparisons_that_cannot_be_are_refused_by_name() {
     let error = compare(&first, &second, &out, &CompareOptions::default()).unwrap_err();
     assert!(matches!(error, CompareError::FileSize { sizes: [(4, 3), (3, 4)], .. }), "{error}");
     assert!(error.to_string().contains("a.exr") && error.to_string().contains("b.exr"), "{error}");
-    let error =
-        compare(&first, &directory.join("c.exr"), &out, &CompareOptions::default()).unwrap_err();
+    let error = compare(&first, &directory.join("c.exr"), &out, &CompareOptions::default()).unwrap_err();
     assert!(error.to_string().contains("c.exr"), "{error}");
     assert!(!out.exists(), "nothing is written before both pictures are read");
     // A file where the directory should be.
@@ -399,9 +338,7 @@ fn pictures_of_all_finite_numbers_can_be_compared() {
     write_exr(&first, &varied_picture(16, 16), &[], &[]).unwrap();
     write_exr(&second, &Picture::filled(16, 16, [0.0; 3]).unwrap(), &[], &[]).unwrap();
     let comparison = compare(&first, &second, &directory, &CompareOptions::default()).unwrap();
-    assert!(
-        comparison.delta_e00.mean.is_finite() && comparison.relative_brightness.max.is_finite()
-    );
+    assert!(comparison.delta_e00.mean.is_finite() && comparison.relative_brightness.max.is_finite());
 }
 
 #[test]

@@ -5,8 +5,8 @@ use std::path::PathBuf;
 
 use renderers::scene::glam::DVec3;
 use renderers::scene::{
-    BsdfKind, ConductorFresnel, Emitter, Filter, Geometry, Integrator, Ior, Mesh, Metal, Scene,
-    Shape, Source, SpectrumKind, builtin, load,
+    BsdfKind, ConductorFresnel, Emitter, Filter, Geometry, Integrator, Ior, Mesh, Metal, Scene, Shape, Source,
+    SpectrumKind, builtin, load,
 };
 
 /// A point in the empty middle of the box, between the blocks and the ceiling.
@@ -35,26 +35,17 @@ fn centroid(mesh: &Mesh, triangle: usize) -> DVec3 {
 #[test]
 fn all_scenes_load_with_the_same_box_camera_and_light() {
     let names: Vec<_> = builtin::names().collect();
-    let expected = [
-        "cornell-box",
-        "cornell-box-sodium",
-        "cornell-box-lamp",
-        "cornell-box-spheres",
-        "cornell-box-paper",
-    ];
+    let expected =
+        ["cornell-box", "cornell-box-sodium", "cornell-box-lamp", "cornell-box-spheres", "cornell-box-paper"];
     assert_eq!(names, expected);
     assert_eq!(builtin::DEFAULT, names[0]);
     for name in names {
         let scene = built_in(name);
         assert_eq!(scene.name, name);
         assert_eq!(scene.shapes.len(), 8, "{name}");
-        let area_lights =
-            scene.emitters.iter().filter(|e| matches!(e, Emitter::Area { .. })).count();
+        let area_lights = scene.emitters.iter().filter(|e| matches!(e, Emitter::Area { .. })).count();
         assert_eq!(area_lights, 1, "{name}");
-        assert_eq!(
-            (scene.film.width, scene.film.height, scene.film.filter),
-            (512, 512, Filter::Box)
-        );
+        assert_eq!((scene.film.width, scene.film.height, scene.film.filter), (512, 512, Filter::Box));
         // Focal length 0.035 and film width 0.025; the angle in the file is rounded to 1e-5 degrees.
         let half_width = scene.camera.half_width(512, 512);
         assert!((half_width - 0.0125 / 0.035).abs() <= 1e-7, "{name}: {half_width}");
@@ -66,8 +57,7 @@ fn all_scenes_load_with_the_same_box_camera_and_light() {
 
 #[test]
 fn parameters_set_resolution_and_samples() {
-    let parameters =
-        [("resolution".to_owned(), "64".to_owned()), ("spp".to_owned(), "3".to_owned())];
+    let parameters = [("resolution".to_owned(), "64".to_owned()), ("spp".to_owned(), "3".to_owned())];
     for name in builtin::names() {
         let scene = builtin::load(name, &parameters).unwrap();
         assert_eq!((scene.film.width, scene.film.height, scene.sampler.sample_count), (64, 64, 3));
@@ -86,9 +76,7 @@ fn walls_face_inward_blocks_outward_and_the_light_down() {
                 assert!(inward > 0.0, "{name}: {id}, triangle {t} faces outward");
             }
         }
-        let Geometry::Rectangle { normal, .. } = shape(&scene, "light").geometry else {
-            panic!("no rectangle")
-        };
+        let Geometry::Rectangle { normal, .. } = shape(&scene, "light").geometry else { panic!("no rectangle") };
         assert!((normal - DVec3::NEG_Y).length() <= 1e-12, "{name}: the light faces {normal}");
     }
     let scene = built_in("cornell-box");
@@ -97,10 +85,7 @@ fn walls_face_inward_blocks_outward_and_the_light_down() {
         let inside = mesh.positions.iter().sum::<DVec3>() / 8.0;
         assert_eq!((mesh.positions.len(), mesh.triangles.len()), (8, 10), "{id}");
         for t in 0..10 {
-            assert!(
-                mesh.face_cross(t).dot(centroid(mesh, t) - inside) > 0.0,
-                "{id}, triangle {t} faces inward"
-            );
+            assert!(mesh.face_cross(t).dot(centroid(mesh, t) - inside) > 0.0, "{id}, triangle {t} faces inward");
         }
     }
 }
@@ -124,9 +109,7 @@ fn the_box_has_its_measured_size_and_the_light_fills_the_opening() {
         let err = (area(id) - expected).abs();
         assert!(err <= 1e-12 * expected, "{id}: {} is not {expected}", area(id));
     }
-    let Geometry::Rectangle { center, half_u, half_v, .. } = shape(&scene, "light").geometry else {
-        panic!()
-    };
+    let Geometry::Rectangle { center, half_u, half_v, .. } = shape(&scene, "light").geometry else { panic!() };
     let extent = half_u.abs() + half_v.abs();
     assert!((center - extent - DVec3::new(213.0, 548.8, 227.0)).length() <= 1e-12);
     assert!((center + extent - DVec3::new(343.0, 548.8, 332.0)).length() <= 1e-12);
@@ -137,20 +120,10 @@ fn paints_and_lights_are_the_measured_ones() {
     let scene = built_in("cornell-box");
     assert_eq!(scene.integrator, Integrator::Direct);
     let paint = |id: &str| {
-        let BsdfKind::Diffuse { reflectance } = scene.bsdf(shape(&scene, id).bsdf).kind else {
-            panic!("{id}")
-        };
-        let SpectrumKind::Table { wavelengths, values } = &scene.spectrum(reflectance).kind else {
-            panic!("{id}")
-        };
+        let BsdfKind::Diffuse { reflectance } = scene.bsdf(shape(&scene, id).bsdf).kind else { panic!("{id}") };
+        let SpectrumKind::Table { wavelengths, values } = &scene.spectrum(reflectance).kind else { panic!("{id}") };
         assert_eq!(wavelengths.len(), 76, "{id}");
-        assert!(
-            wavelengths
-                .iter()
-                .zip((400..).step_by(4))
-                .all(|(&w, expected)| w == f64::from(expected)),
-            "{id}"
-        );
+        assert!(wavelengths.iter().zip((400..).step_by(4)).all(|(&w, expected)| w == f64::from(expected)), "{id}");
         (values[0], values[75], reflectance)
     };
     // First and last published value of each paint.
@@ -169,29 +142,20 @@ fn paints_and_lights_are_the_measured_ones() {
 /// The radiance of the area light.
 fn light(scene: &Scene) -> SpectrumKind {
     let Some(emitter) = shape(scene, "light").emitter else { panic!("the light is dark") };
-    let Emitter::Area { radiance, shape: id } = scene.emitter(emitter) else {
-        panic!("no area light")
-    };
+    let Emitter::Area { radiance, shape: id } = scene.emitter(emitter) else { panic!("no area light") };
     assert_eq!(scene.shapes[id.0].emitter, Some(emitter));
     scene.spectrum(*radiance).kind.clone()
 }
 
 #[test]
 fn sodium_is_two_lines_with_power_two_to_one_and_the_luminance_of_d65() {
-    let SpectrumKind::Table { wavelengths, values } = light(&built_in("cornell-box-sodium")) else {
-        panic!()
-    };
+    let SpectrumKind::Table { wavelengths, values } = light(&built_in("cornell-box-sodium")) else { panic!() };
     assert_eq!(wavelengths, [588.895, 588.995, 589.095, 589.492, 589.592, 589.692]);
-    let power =
-        |first: usize| values[first + 1] * (wavelengths[first + 2] - wavelengths[first]) / 2.0;
+    let power = |first: usize| values[first + 1] * (wavelengths[first + 2] - wavelengths[first]) / 2.0;
     assert!((power(0) / power(3) - 2.0).abs() <= 1e-5, "{} : {}", power(0), power(3));
     // CIE 1931 ȳ at 588, 589 and 590 nm, linear between; Y = ∫ L ȳ dλ over 106.7502594, rounded as the file is.
     let y_bar = |x: f64| {
-        if x < 589.0 {
-            Y[0] + (Y[1] - Y[0]) * (x - 588.0)
-        } else {
-            Y[1] + (Y[2] - Y[1]) * (x - 589.0)
-        }
+        if x < 589.0 { Y[0] + (Y[1] - Y[0]) * (x - 588.0) } else { Y[1] + (Y[2] - Y[1]) * (x - 589.0) }
     };
     let luminance = (power(0) * y_bar(588.995) + power(3) * y_bar(589.592)) / 106.750_259_4;
     assert!((luminance / 40.0 - 1.0).abs() <= 1e-5, "{luminance}");
@@ -201,9 +165,7 @@ const Y: [f64; 3] = [0.781192, 0.7691547, 0.757];
 
 #[test]
 fn the_lamp_keeps_the_published_shape() {
-    let SpectrumKind::Table { wavelengths, values } = light(&built_in("cornell-box-lamp")) else {
-        panic!()
-    };
+    let SpectrumKind::Table { wavelengths, values } = light(&built_in("cornell-box-lamp")) else { panic!() };
     assert_eq!(wavelengths, [400.0, 500.0, 600.0, 700.0]);
     for (value, published) in values.iter().zip([0.0, 8.0, 15.6, 18.4]) {
         // Six digits are written.
@@ -219,19 +181,13 @@ fn spheres_are_of_dispersive_glass_and_gold() {
         matches!(glass, BsdfKind::Dielectric { int_ior: Ior::Glass(name), ext_ior: Ior::Constant(_), .. } if name == "N-BK7")
     );
     let gold = &scene.bsdf(shape(&scene, "gold_sphere").bsdf).kind;
-    assert!(matches!(
-        gold,
-        BsdfKind::Conductor { fresnel: ConductorFresnel::Metal(Metal::Au), .. }
-    ));
+    assert!(matches!(gold, BsdfKind::Conductor { fresnel: ConductorFresnel::Metal(Metal::Au), .. }));
     let sphere = |id: &str| match shape(&scene, id).geometry {
         Geometry::Sphere { center, radius, inward: false } => (center, radius),
         ref other => panic!("{id} is {other:?}"),
     };
     let ((a, r), (b, s)) = (sphere("glass_sphere"), sphere("gold_sphere"));
-    assert!(
-        a.y >= r && b.y >= s && a.distance(b) > r + s,
-        "the spheres reach into each other or the floor"
-    );
+    assert!(a.y >= r && b.y >= s && a.distance(b) > r + s, "the spheres reach into each other or the floor");
     assert!(scene.emitters.iter().any(|emitter| matches!(emitter, Emitter::Ambient { .. })));
 }
 
@@ -245,18 +201,12 @@ fn the_paper_scene_has_colorchecker_walls_with_schlick_brdfs() {
         ("short_block", "neutral_8"),
         ("tall_block", "green"),
     ] {
-        let BsdfKind::Schlick { reflectance, roughness, isotropy } =
-            scene.bsdf(shape(&scene, id).bsdf).kind
-        else {
+        let BsdfKind::Schlick { reflectance, roughness, isotropy } = scene.bsdf(shape(&scene, id).bsdf).kind else {
             panic!("{id}")
         };
         assert_eq!((roughness, isotropy), (0.8, 1.0));
         let spectrum = scene.spectrum(reflectance);
-        assert!(
-            spectrum.label.starts_with(&format!("spectra/colorchecker_{file}.spd ")),
-            "{}",
-            spectrum.label
-        );
+        assert!(spectrum.label.starts_with(&format!("spectra/colorchecker_{file}.spd ")), "{}", spectrum.label);
         let SpectrumKind::Table { wavelengths, .. } = &spectrum.kind else { panic!("{id}") };
         assert_eq!((wavelengths.len(), wavelengths[0], wavelengths[80]), (81, 380.0, 780.0));
     }
@@ -270,19 +220,12 @@ fn exported_scenes_load_from_disk_as_the_same_data() {
         let files = builtin::export(name, &folder).unwrap();
         assert_eq!(files[0], folder.join(format!("{name}.xml")));
         let (here, there) = (built_in(name), load(&Source::disk(&files[0]), &[]).unwrap());
-        assert_eq!(
-            (here.camera, here.film, here.integrator),
-            (there.camera, there.film, there.integrator)
-        );
-        let geometry = |scene: &Scene| {
-            scene.shapes.iter().map(|s| (s.geometry.clone(), s.bsdf)).collect::<Vec<_>>()
-        };
+        assert_eq!((here.camera, here.film, here.integrator), (there.camera, there.film, there.integrator));
+        let geometry = |scene: &Scene| scene.shapes.iter().map(|s| (s.geometry.clone(), s.bsdf)).collect::<Vec<_>>();
         assert_eq!(geometry(&here), geometry(&there));
-        let kinds =
-            |scene: &Scene| scene.spectra.iter().map(|s| s.kind.clone()).collect::<Vec<_>>();
+        let kinds = |scene: &Scene| scene.spectra.iter().map(|s| s.kind.clone()).collect::<Vec<_>>();
         assert_eq!(kinds(&here), kinds(&there));
-        let materials =
-            |scene: &Scene| scene.bsdfs.iter().map(|b| b.kind.clone()).collect::<Vec<_>>();
+        let materials = |scene: &Scene| scene.bsdfs.iter().map(|b| b.kind.clone()).collect::<Vec<_>>();
         assert_eq!(materials(&here), materials(&there));
         assert_eq!(here.emitters, there.emitters);
     }
@@ -294,25 +237,20 @@ fn every_scene_file_is_embedded() {
     let root = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../renderers/scenes");
     let list = |folder: &str| {
         let entries = std::fs::read_dir(root.join(folder)).unwrap();
-        entries
-            .map(|e| e.unwrap().file_name().into_string().unwrap())
-            .filter(|n| n.contains('.'))
-            .collect::<Vec<_>>()
+        entries.map(|e| e.unwrap().file_name().into_string().unwrap()).filter(|n| n.contains('.')).collect::<Vec<_>>()
     };
     let mut on_disk: Vec<_> = list("")
         .into_iter()
-        .chain(["meshes", "spectra"].into_iter().flat_map(|folder| {
-            list(folder).into_iter().map(move |name| format!("{folder}/{name}"))
-        }))
+        .chain(
+            ["meshes", "spectra"]
+                .into_iter()
+                .flat_map(|folder| list(folder).into_iter().map(move |name| format!("{folder}/{name}"))),
+        )
         .collect();
     let mut embedded: Vec<_> = builtin::names()
         .flat_map(|name| {
-            let Some(Source::Memory { name, assets, .. }) = builtin::source(name) else {
-                panic!("{name}")
-            };
-            core::iter::once(name)
-                .chain(assets.into_iter().map(|(asset, _)| asset))
-                .collect::<Vec<_>>()
+            let Some(Source::Memory { name, assets, .. }) = builtin::source(name) else { panic!("{name}") };
+            core::iter::once(name).chain(assets.into_iter().map(|(asset, _)| asset)).collect::<Vec<_>>()
         })
         .collect();
     on_disk.sort();

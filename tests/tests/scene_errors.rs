@@ -96,30 +96,14 @@ fn elements_outside_the_subset_are_refused() {
         (scene("<emitter type='spot'/>"), 3, "\"spot\" is not supported"),
         (scene("<emitter type='area'/>"), 3, "inside the <shape>"),
         (object("shape", "disk", "<emitter type='point'/>"), 4, "\"point\" is not supported"),
-        (
-            object("shape", "disk", "<emitter type='area'/>\n<emitter type='area'/>"),
-            5,
-            "not supported",
-        ),
-        (
-            object("shape", "disk", "<bsdf type='diffuse'/>\n<bsdf type='diffuse'/>"),
-            5,
-            "not supported",
-        ),
-        (
-            "<scene version='3.0.0'>\n<sensor type='thinlens'/></scene>".into(),
-            2,
-            "\"thinlens\" is not",
-        ),
+        (object("shape", "disk", "<emitter type='area'/>\n<emitter type='area'/>"), 5, "not supported"),
+        (object("shape", "disk", "<bsdf type='diffuse'/>\n<bsdf type='diffuse'/>"), 5, "not supported"),
+        ("<scene version='3.0.0'>\n<sensor type='thinlens'/></scene>".into(), 2, "\"thinlens\" is not"),
         (scene(SENSOR), 3, "only one <sensor>"),
         (scene("<integrator type='path'/>\n<integrator type='path'/>"), 4, "only one <integrator>"),
         (scene("<emitter type='constant'/>\n<emitter type='constant'/>"), 4, "only one emitter"),
         (sensor("<film type='specfilm'/>"), 3, "\"specfilm\" is not supported"),
-        (
-            sensor("<film type='hdrfilm'>\n<rfilter type='lanczos'/></film>"),
-            4,
-            "\"lanczos\" is not",
-        ),
+        (sensor("<film type='hdrfilm'>\n<rfilter type='lanczos'/></film>"), 4, "\"lanczos\" is not"),
         (sensor("<sampler type='sobol'/>"), 3, "\"sobol\" is not supported"),
     ]);
 }
@@ -130,38 +114,18 @@ fn properties_outside_the_subset_are_refused() {
     let twice = format!("{}\n{}", float("reflectance", "0.1"), float("reflectance", "0.2"));
     assert_refused(vec![
         (object("shape", "disk", &float("radius", "1")), 4, "no property \"radius\""),
-        (
-            object("integrator", "direct", "<integer name='max_depth' value='3'/>"),
-            4,
-            "no property \"max_depth\"",
-        ),
-        (
-            sensor("<film type='hdrfilm'>\n<integer name='crop_width' value='3'/></film>"),
-            4,
-            "no property",
-        ),
-        (
-            sensor("<film type='hdrfilm'>\n<string name='pixel_format' value='xyz'/></film>"),
-            4,
-            "\"xyz\" is not",
-        ),
+        (object("integrator", "direct", "<integer name='max_depth' value='3'/>"), 4, "no property \"max_depth\""),
+        (sensor("<film type='hdrfilm'>\n<integer name='crop_width' value='3'/></film>"), 4, "no property"),
+        (sensor("<film type='hdrfilm'>\n<string name='pixel_format' value='xyz'/></film>"), 4, "\"xyz\" is not"),
         (diffuse(&twice), 5, "given twice"),
         (sensor("<string name='far_clip' value='2'/>"), 3, "must be given as <float> or <integer>"),
         (diffuse("<float name='reflectance' val='0.1'/>"), 4, "unknown attribute \"val\""),
         (diffuse("<float name='reflectance'/>"), 4, "missing attribute \"value\""),
         (diffuse("<string name='reflectance' value='0.1'/>"), 4, "must be given as <spectrum>"),
-        (
-            sensor("<float name='near_clip' value='1'>\n<float/></float>"),
-            4,
-            "not expected inside <float>",
-        ),
+        (sensor("<float name='near_clip' value='1'>\n<float/></float>"), 4, "not expected inside <float>"),
         (diffuse("<rgb name='reflectance' value='0.1 0.2 0.3'/>"), 4, "coloured <rgb>"),
         (diffuse("<rgb name='reflectance' value='0.1 0.2'/>"), 4, "one or three numbers"),
-        (
-            object("shape", "disk", "<boolean name='flip_normals' value='yes'/>"),
-            4,
-            "neither \"true\"",
-        ),
+        (object("shape", "disk", "<boolean name='flip_normals' value='yes'/>"), 4, "neither \"true\""),
     ]);
 }
 
@@ -180,30 +144,20 @@ fn bad_references_and_parameters_are_refused() {
         (object("bsdf", "twosided", "<bsdf type='dielectric'/>"), 3, "neither a dielectric"),
         (scene("<bsdf type='twosided'/>"), 3, "one or two bsdfs, not 0"),
         (diffuse("<float name='reflectance' value='$rho'/>"), 4, "undefined parameter \"$rho\""),
-        (
-            scene("<bsdf type='$t'/>\n<default name='t' value='diffuse'/>"),
-            3,
-            "undefined parameter \"$t\"",
-        ),
+        (scene("<bsdf type='$t'/>\n<default name='t' value='diffuse'/>"), 3, "undefined parameter \"$t\""),
         (scene("<default name='t'/>"), 3, "missing attribute \"value\""),
         (scene("<default name='a b' value='1'/>"), 3, "not a parameter name"),
-        (
-            scene("<default name='a' value='1'><float/></default>"),
-            3,
-            "not expected inside <default>",
-        ),
+        (scene("<default name='a' value='1'><float/></default>"), 3, "not expected inside <default>"),
     ]);
-    let unused =
-        load(&Source::text("s.xml", scene("")), &[("spp".into(), "4".into())]).unwrap_err();
+    let unused = load(&Source::text("s.xml", scene("")), &[("spp".into(), "4".into())]).unwrap_err();
     assert_eq!(unused.to_string(), "s.xml: parameter \"spp\" is given but not used by this scene");
 }
 
 #[test]
 fn bad_reflectances_are_refused() {
     let value = |v: &str| diffuse(&format!("<spectrum name='reflectance' value='{v}'/>"));
-    let typed = |kind: &str, body: &str| {
-        diffuse(&format!("<spectrum name='reflectance' type='{kind}'>\n{body}</spectrum>"))
-    };
+    let typed =
+        |kind: &str, body: &str| diffuse(&format!("<spectrum name='reflectance' type='{kind}'>\n{body}</spectrum>"));
     let backwards = "<float name='wavelength_min' value='700'/><float name='wavelength_max' value='400'/>\
                      <string name='values' value='0 1'/>";
     let unequal = "<string name='wavelengths' value='400 500'/><string name='values' value='0'/>";
@@ -230,11 +184,7 @@ fn bad_reflectances_are_refused() {
         (typed("d65", ""), 4, "is light"),
         (typed("rawconstant", ""), 4, "\"rawconstant\" is not supported"),
         (typed("uniform", "<float name='value' value='-1'/>"), 5, "not negative"),
-        (
-            typed("regular", "<string name='values' value='0 1'/>"),
-            4,
-            "missing property \"wavelength_min\"",
-        ),
+        (typed("regular", "<string name='values' value='0 1'/>"), 4, "missing property \"wavelength_min\""),
         (typed("regular", backwards), 4, "must be above"),
         (typed("irregular", unequal), 5, "2 wavelengths but 1 values"),
         (scene("<spectrum type='uniform'/>"), 3, "missing attribute \"id\""),
@@ -244,11 +194,8 @@ fn bad_reflectances_are_refused() {
 #[test]
 fn bad_lights_are_refused() {
     let value = |v: &str| light(&format!("<spectrum name='radiance' value='{v}'/>"));
-    let typed = |kind: &str, body: &str| {
-        light(&format!("<spectrum name='radiance' type='{kind}'>\n{body}</spectrum>"))
-    };
-    let empty_range =
-        "<float name='temperature' value='3000'/>\n<float name='wavelength_min' value='900'/>";
+    let typed = |kind: &str, body: &str| light(&format!("<spectrum name='radiance' type='{kind}'>\n{body}</spectrum>"));
+    let empty_range = "<float name='temperature' value='3000'/>\n<float name='wavelength_min' value='900'/>";
     let speck = "<float name='radius' value='1e-200'/><emitter type='area'/>";
     let both = "<transform name='to_world'/>\n<point name='position' value='1 2 3'/>";
     assert_refused(vec![
@@ -262,35 +209,17 @@ fn bad_lights_are_refused() {
         (typed("blackbody", empty_range), 5, "above \"wavelength_min\""),
         (object("shape", "sphere", speck), 3, "area is zero"),
         (object("emitter", "point", both), 5, "excludes"),
-        (
-            object("emitter", "point", "<point name='position' value='1 2'/>"),
-            4,
-            "one or three numbers",
-        ),
-        (
-            object("emitter", "point", "<point name='position' x='1' y='2'/>"),
-            4,
-            "missing attribute \"z\"",
-        ),
-        (
-            object("emitter", "point", "<vector name='position' value='1'/>"),
-            4,
-            "must be given as <point>",
-        ),
-        (
-            object("emitter", "directional", "<vector name='direction' value='0'/>"),
-            4,
-            "direction is zero",
-        ),
+        (object("emitter", "point", "<point name='position' value='1 2'/>"), 4, "one or three numbers"),
+        (object("emitter", "point", "<point name='position' x='1' y='2'/>"), 4, "missing attribute \"z\""),
+        (object("emitter", "point", "<vector name='position' value='1'/>"), 4, "must be given as <point>"),
+        (object("emitter", "directional", "<vector name='direction' value='0'/>"), 4, "direction is zero"),
     ]);
 }
 
 #[test]
 fn faults_inside_a_file_name_that_file_and_its_line() {
-    let spectrum =
-        |file: &str| diffuse(&format!("<spectrum name='reflectance' filename='{file}'/>"));
-    let mesh =
-        |file: &str| object("shape", "obj", &format!("<string name='filename' value='{file}'/>"));
+    let spectrum = |file: &str| diffuse(&format!("<spectrum name='reflectance' filename='{file}'/>"));
+    let mesh = |file: &str| object("shape", "obj", &format!("<string name='filename' value='{file}'/>"));
     for (xml, place, part) in [
         (spectrum("nan.spd"), "nan.spd:3: ", "not a finite number"),
         (spectrum("unsorted.spd"), "unsorted.spd:3: ", "must increase"),
@@ -308,9 +237,8 @@ fn faults_inside_a_file_name_that_file_and_its_line() {
 
 #[test]
 fn bad_geometry_is_refused() {
-    let transform = |body: &str| {
-        object("shape", "rectangle", &format!("<transform name='to_world'>\n{body}</transform>"))
-    };
+    let transform =
+        |body: &str| object("shape", "rectangle", &format!("<transform name='to_world'>\n{body}</transform>"));
     let stretched = "<transform name='to_world'><scale x='2'/></transform>";
     let overflow = "<scale value='1e100'/>\n<scale value='1e100'/>\n<scale value='1e100'/>";
     assert_refused(vec![
@@ -333,22 +261,15 @@ fn bad_geometry_is_refused() {
         (object("shape", "sphere", "<float name='radius' value='-1'/>"), 4, "must be positive"),
         (object("shape", "sphere", "<float name='radius' value='0'/>"), 4, "must be positive"),
         (object("shape", "obj", ""), 3, "missing property \"filename\""),
-        (
-            object("shape", "obj", "<string name='filename' value='no.obj'/>"),
-            4,
-            "cannot read \"no.obj\"",
-        ),
+        (object("shape", "obj", "<string name='filename' value='no.obj'/>"), 4, "cannot read \"no.obj\""),
     ]);
 }
 
 #[test]
 fn bad_cameras_and_films_are_refused() {
     let film = |body: &str| sensor(&format!("<film type='hdrfilm'>\n{body}</film>"));
-    let fov = |fov: &str| {
-        format!("<scene version='3.0.0'><sensor type='perspective'>\n{fov}</sensor></scene>")
-    };
-    let samples =
-        "<sampler type='independent'>\n<integer name='sample_count' value='0'/></sampler>";
+    let fov = |fov: &str| format!("<scene version='3.0.0'><sensor type='perspective'>\n{fov}</sensor></scene>");
+    let samples = "<sampler type='independent'>\n<integer name='sample_count' value='0'/></sampler>";
     assert_refused(vec![
         (fov(""), 1, "missing property \"fov\""),
         (fov("<float name='fov' value='0'/>"), 2, "between 0 and 180"),
@@ -364,11 +285,7 @@ fn bad_cameras_and_films_are_refused() {
         (film("<float name='width' value='3'/>"), 4, "must be given as <integer>"),
         (film("<rfilter type='tent'>\n<float name='radius' value='0'/></rfilter>"), 5, "above 0"),
         (sensor(samples), 4, "between 1 and"),
-        (
-            object("integrator", "path", "<integer name='max_depth' value='-2'/>"),
-            4,
-            "between -1 and",
-        ),
+        (object("integrator", "path", "<integer name='max_depth' value='-2'/>"), 4, "between -1 and"),
     ]);
 }
 
@@ -386,14 +303,7 @@ fn bad_materials_are_refused() {
         (glass("<spectrum name='specular_transmittance' value='1.1'/>"), 4, "above 1"),
         (metal("<string name='material' value='Xx'/>"), 4, "\"Xx\" is not supported"),
         (metal("<spectrum name='eta' value='1'/>"), 3, "must be given together"),
-        (
-            metal(&format!(
-                "<string name='material' value='Au'/>{}",
-                eta_and_k.replace("'0'", "'1'")
-            )),
-            3,
-            "excludes",
-        ),
+        (metal(&format!("<string name='material' value='Au'/>{}", eta_and_k.replace("'0'", "'1'"))), 3, "excludes"),
         (metal(eta_and_k), 4, "must be positive"),
         (object("bsdf", "schlick", "<float name='roughness' value='1.1'/>"), 4, "between 0 and 1"),
         (object("bsdf", "schlick", "<float name='isotropy' value='0'/>"), 4, "above 0"),
@@ -436,8 +346,6 @@ fn damaged_scenes_never_panic() {
 
 /// Loads a variant of a built-in scene's text with that scene's files beside it.
 fn builtin_assets(xml: String) -> Result<Scene, SceneError> {
-    let Some(Source::Memory { assets, .. }) = builtin::source("cornell-box-spheres") else {
-        unreachable!()
-    };
+    let Some(Source::Memory { assets, .. }) = builtin::source("cornell-box-spheres") else { unreachable!() };
     load(&Source::Memory { name: "s.xml".into(), xml, assets }, &[])
 }

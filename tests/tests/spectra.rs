@@ -2,32 +2,23 @@
 #![allow(clippy::unwrap_used, clippy::panic, reason = "helpers of tests fail by panicking")]
 
 use spectral_core::spectrum::{
-    Constant, Daylight, Line, Lines, Outside, PiecewiseLinear, Planck, RadiationConstant, Rounding,
-    Scaled, Segment, Spectrum, SpectrumError, Uniform,
+    Constant, Daylight, Line, Lines, Outside, PiecewiseLinear, Planck, RadiationConstant, Rounding, Scaled, Segment,
+    Spectrum, SpectrumError, Uniform,
 };
-use spectral_core::tables::{
-    self, UniformTable, daylight, fluorescent, illuminants, lines, observers,
-};
+use spectral_core::tables::{self, UniformTable, daylight, fluorescent, illuminants, lines, observers};
 use spectral_core::{Real, Samples};
 use spectral_tests::tables::Csv;
 
 /// The lamps, reflectances and action spectra: everything that must not be negative.
 fn non_negative_tables() -> Vec<&'static UniformTable> {
     use tables::{action, alpha_opic, babelcolor, colorchecker, cornell, test_colours};
-    let others = [
-        &babelcolor::ALL[..],
-        &colorchecker::ALL,
-        &cornell::ALL,
-        &test_colours::ALL,
-        &alpha_opic::ALL,
-    ];
+    let others = [&babelcolor::ALL[..], &colorchecker::ALL, &cornell::ALL, &test_colours::ALL, &alpha_opic::ALL];
     tables::lights().chain(others.into_iter().flatten()).chain(&action::ALL).collect()
 }
 
 fn assert_valid<R: Real>(table: &UniformTable, sign: bool) {
     let from_table = table.spectrum::<R>(Outside::Zero);
-    let checked =
-        Uniform::new(from_table.first(), from_table.step(), from_table.values(), Outside::Zero);
+    let checked = Uniform::new(from_table.first(), from_table.step(), from_table.values(), Outside::Zero);
     let spectrum = checked.unwrap_or_else(|error| panic!("{}: {error}", table.name));
     assert!(!sign || spectrum.check_non_negative().is_ok(), "{} has a negative sample", table.name);
     assert_eq!(table.samples.single.len(), table.samples.double.len());
@@ -47,8 +38,7 @@ fn tables_are_valid_spectra() {
 
 fn assert_valid_metal<R: Real>(metal: &tables::MetalTable) {
     for spectrum in [metal.n::<R>(), metal.k::<R>()] {
-        let checked =
-            PiecewiseLinear::new(spectrum.wavelengths(), spectrum.values(), Outside::Hold);
+        let checked = PiecewiseLinear::new(spectrum.wavelengths(), spectrum.values(), Outside::Hold);
         let spectrum = checked.unwrap_or_else(|error| panic!("{}: {error}", metal.name));
         assert_eq!(spectrum.check_non_negative(), Ok(()), "{}", metal.name);
     }
@@ -69,18 +59,10 @@ fn metals_are_valid_spectra() {
 /// `published`: CIE 15:2004, tables T.1, T.6 to T.8, CIE 15:2018; `independent`: the copies in luxpy 1.12.5.
 #[test]
 fn spot_values_by_name() {
-    let at = |name: &str, wavelength| {
-        tables::find_light(name).unwrap().spectrum::<f64>(Outside::Zero).value(wavelength)
-    };
+    let at =
+        |name: &str, wavelength| tables::find_light(name).unwrap().spectrum::<f64>(Outside::Zero).value(wavelength);
     assert_eq!(
-        [
-            at("FL2", 380.0),
-            at("fl2", 435.0),
-            at("FL2", 440.0),
-            at("FL2", 545.0),
-            at("FL2", 610.0),
-            at("FL2", 780.0)
-        ],
+        [at("FL2", 380.0), at("fl2", 435.0), at("FL2", 440.0), at("FL2", 545.0), at("FL2", 610.0), at("FL2", 780.0)],
         [1.18, 34.98, 11.81, 24.88, 13.8, 0.27]
     );
     assert_eq!([at("A", 560.0), at("D65", 560.0), at("D50", 560.0)], [100.0; 3]);
@@ -131,8 +113,7 @@ const HALF_PRINTED: f64 = 0.0005 + 1e-9;
 /// `published`: CIE 15:2004 table T.1, from the same formula by CIE's own calculation.
 #[test]
 fn daylight_gives_the_d_illuminants() {
-    let tables =
-        [(5000.0, illuminants::D50), (5500.0, illuminants::D55), (7500.0, illuminants::D75)];
+    let tables = [(5000.0, illuminants::D50), (5500.0, illuminants::D55), (7500.0, illuminants::D75)];
     for (nominal, table) in tables {
         let daylight = Daylight::nominal(nominal, Rounding::ThreeDecimals).unwrap();
         for (wavelength, &published) in (300_u16..).step_by(5).zip(table.samples.double) {
@@ -219,31 +200,19 @@ fn daylight_agrees_with_colour_science() {
 #[test]
 fn daylight_at_its_limits() {
     for refused in [3999.9, 25000.1, f64::NAN, f64::INFINITY, -6500.0] {
-        assert_eq!(
-            Daylight::new(refused, Rounding::None).unwrap_err(),
-            SpectrumError::ColourTemperature
-        );
+        assert_eq!(Daylight::new(refused, Rounding::None).unwrap_err(), SpectrumError::ColourTemperature);
     }
     for temperature in (4000..=25000).step_by(100) {
         let daylight = Daylight::new(f64::from(temperature), Rounding::None).unwrap();
-        assert!(
-            (300..=830).all(|wavelength| daylight.value(f64::from(wavelength)) >= 0.0),
-            "{temperature} K"
-        );
+        assert!((300..=830).all(|wavelength| daylight.value(f64::from(wavelength)) >= 0.0), "{temperature} K");
         assert_eq!(daylight.value(560.0), 100.0);
     }
-    let (double, single) = (
-        Daylight::<f64>::nominal(6500.0, Rounding::default()),
-        Daylight::<f32>::nominal(6500.0, Rounding::default()),
-    );
+    let (double, single) =
+        (Daylight::<f64>::nominal(6500.0, Rounding::default()), Daylight::<f32>::nominal(6500.0, Rounding::default()));
     let (double, single) = (double.unwrap(), single.unwrap());
     for wavelength in 295_u16..=835 {
-        let (double, single) =
-            (double.value(f64::from(wavelength)), single.value(f32::from(wavelength)));
-        assert!(
-            (double - f64::from(single)).abs() <= 4.0 * f64::from(f32::EPSILON) * double,
-            "{wavelength} nm"
-        );
+        let (double, single) = (double.value(f64::from(wavelength)), single.value(f32::from(wavelength)));
+        assert!((double - f64::from(single)).abs() <= 4.0 * f64::from(f32::EPSILON) * double, "{wavelength} nm");
     }
 }
 
@@ -312,8 +281,7 @@ fn planck_integrates_to_stefan_boltzmann() {
         }
         let x = 1.438_776_877e-2 / (1e-3 * temperature);
         let tail = 15.0 / core::f64::consts::PI.powi(4) * (x.powi(3) / 3.0 - x.powi(4) / 8.0);
-        let expected =
-            5.670_374_419e-8 * temperature.powi(4) / core::f64::consts::PI * (1.0 - tail);
+        let expected = 5.670_374_419e-8 * temperature.powi(4) / core::f64::consts::PI * (1.0 - tail);
         // Four times the last digit of c₂, and the last of σ.
         assert!((sum / expected - 1.0).abs() <= 2e-9, "{temperature} K: {}", sum / expected - 1.0);
     }
@@ -333,8 +301,7 @@ fn planck_interpolation_error_is_as_documented() {
     ];
     for (temperature, bound) in stated {
         let planck = Planck::new(temperature, RadiationConstant::Si2019).unwrap();
-        let error =
-            |wavelength: f64| (planck.value(wavelength) / planck.radiance(wavelength) - 1.0).abs();
+        let error = |wavelength: f64| (planck.value(wavelength) / planck.radiance(wavelength) - 1.0).abs();
         let worst = (0..400 * 40).map(|i| error(380.0 + f64::from(i) / 40.0)).fold(0.0, f64::max);
         assert!(worst <= bound && worst >= 0.9 * bound, "{temperature} K: {worst}");
     }
@@ -349,17 +316,11 @@ fn planck_in_single_precision() {
             let exact = double.radiance(f64::from(wavelength));
             let x = 1.438_776_877e7 / (f64::from(wavelength) * f64::from(temperature));
             let error = (f64::from(single.radiance(f32::from(wavelength))) / exact - 1.0).abs();
-            assert!(
-                error <= (6.0 + x) * f64::from(f32::EPSILON),
-                "{temperature} K, {wavelength} nm: {error}"
-            );
+            assert!(error <= (6.0 + x) * f64::from(f32::EPSILON), "{temperature} K, {wavelength} nm: {error}");
         }
     }
     for refused in [0.0_f32, -1.0, f32::NAN, 1.1e9] {
-        assert_eq!(
-            Planck::new(refused, RadiationConstant::Si2019),
-            Err(SpectrumError::Temperature)
-        );
+        assert_eq!(Planck::new(refused, RadiationConstant::Si2019), Err(SpectrumError::Temperature));
     }
 }
 
@@ -382,9 +343,7 @@ fn integral<R: Real>(spectrum: &impl Spectrum<R>, from: R, to: R) -> f64 {
         if piece.end > to {
             break;
         }
-        sum += (piece.end.to_f64() - wavelength.to_f64())
-            * 0.5
-            * (piece.first.to_f64() + piece.last.to_f64());
+        sum += (piece.end.to_f64() - wavelength.to_f64()) * 0.5 * (piece.first.to_f64() + piece.last.to_f64());
         wavelength = piece.end;
     }
     sum
@@ -394,18 +353,12 @@ fn integral<R: Real>(spectrum: &impl Spectrum<R>, from: R, to: R) -> f64 {
 fn a_line_integrates_to_its_power() {
     for width in [0.01_f64, 0.5, 2.0, 100.0] {
         let line = Line::new(588.995, width, 3.25).unwrap();
-        assert!(
-            (integral(&line, 0.0, 1000.0) / 3.25 - 1.0).abs() <= 4.0 * f64::EPSILON,
-            "{width} nm"
-        );
+        assert!((integral(&line, 0.0, 1000.0) / 3.25 - 1.0).abs() <= 4.0 * f64::EPSILON, "{width} nm");
         assert!(line.value(588.995) == line.peak());
     }
     for width in [0.01_f32, 0.5, 2.0, 100.0] {
         let line = Line::new(588.995, width, 3.25).unwrap();
-        assert!(
-            (integral(&line, 0.0, 1000.0) / 3.25 - 1.0).abs() <= 4.0 * f64::from(f32::EPSILON),
-            "{width} nm"
-        );
+        assert!((integral(&line, 0.0, 1000.0) / 3.25 - 1.0).abs() <= 4.0 * f64::from(f32::EPSILON), "{width} nm");
     }
 }
 
@@ -429,8 +382,7 @@ fn lines_overlap_and_add() {
 /// The powers of the mercury lines are those of the lamp in the table at 5 nm, as their file says.
 #[test]
 fn mercury_powers_follow_from_the_lamp() {
-    let (wavelengths, lamp) =
-        Csv::read("narrowband_lamps_nist_5nm.csv").unwrap().numbers("Mercury").unwrap();
+    let (wavelengths, lamp) = Csv::read("narrowband_lamps_nist_5nm.csv").unwrap().numbers("Mercury").unwrap();
     let group = |from: f64, to: f64| {
         let at = |wavelength: f64| lamp[wavelengths.iter().position(|&w| w == wavelength).unwrap()];
         let floor = 0.5 * (at(from - 5.0) + at(to + 5.0));
@@ -439,8 +391,7 @@ fn mercury_powers_follow_from_the_lamp() {
     };
     let green = group(540.0, 550.0);
     let yellow = group(570.0, 585.0) / 2.0;
-    let expected = [group(400.0, 410.0), group(430.0, 440.0), green, yellow, yellow]
-        .map(|power| power / green);
+    let expected = [group(400.0, 410.0), group(430.0, 440.0), green, yellow, yellow].map(|power| power / green);
     for (power, expected) in lines::MERCURY.powers.double.iter().zip(expected) {
         assert!((power - expected).abs() <= 0.00005, "{power} for {expected}");
     }
@@ -451,14 +402,8 @@ fn outside_and_at_the_ends() {
     let (wavelengths, values) = ([400.0, 500.0, 700.0], [1.0, 3.0, 2.0]);
     let zero = PiecewiseLinear::new(&wavelengths, &values, Outside::Zero).unwrap();
     let hold = PiecewiseLinear::new(&wavelengths, &values, Outside::Hold).unwrap();
-    assert_eq!(
-        [399.0, 400.0, 450.0, 700.0, 701.0].map(|w| zero.value(w)),
-        [0.0, 1.0, 2.0, 2.0, 0.0]
-    );
-    assert_eq!(
-        [399.0, 400.0, 450.0, 700.0, 701.0].map(|w| hold.value(w)),
-        [1.0, 1.0, 2.0, 2.0, 2.0]
-    );
+    assert_eq!([399.0, 400.0, 450.0, 700.0, 701.0].map(|w| zero.value(w)), [0.0, 1.0, 2.0, 2.0, 0.0]);
+    assert_eq!([399.0, 400.0, 450.0, 700.0, 701.0].map(|w| hold.value(w)), [1.0, 1.0, 2.0, 2.0, 2.0]);
     assert_eq!(zero.segment(0.0), Segment { end: 400.0, first: 0.0, last: 0.0 });
     assert_eq!(zero.segment(400.0), Segment { end: 500.0, first: 1.0, last: 3.0 });
     assert_eq!(zero.segment(700.0), Segment { end: f64::INFINITY, first: 0.0, last: 0.0 });
@@ -471,12 +416,8 @@ fn outside_and_at_the_ends() {
 
 #[test]
 fn bad_spectra_are_refused_by_node() {
-    use SpectrumError::{
-        LengthMismatch, Negative, Order, Range, Step, TooFewNodes, Value, Wavelength, Width,
-    };
-    let new = |wavelengths: &[f64], values: &[f64]| {
-        PiecewiseLinear::new(wavelengths, values, Outside::Zero).err()
-    };
+    use SpectrumError::{LengthMismatch, Negative, Order, Range, Step, TooFewNodes, Value, Wavelength, Width};
+    let new = |wavelengths: &[f64], values: &[f64]| PiecewiseLinear::new(wavelengths, values, Outside::Zero).err();
     assert_eq!(new(&[], &[]), Some(TooFewNodes { count: 0 }));
     assert_eq!(new(&[1.0], &[1.0]), Some(TooFewNodes { count: 1 }));
     assert_eq!(new(&[1.0, 2.0], &[1.0]), Some(LengthMismatch { wavelengths: 2, values: 1 }));
@@ -486,9 +427,7 @@ fn bad_spectra_are_refused_by_node() {
     assert_eq!(new(&[1.0, 2.0, 1.5], &[1.0; 3]), Some(Order { index: 2 }));
     assert_eq!(new(&[-1e308, 1e308], &[1.0; 2]), Some(Range));
     assert_eq!(new(&[1.0, 2.0], &[1.0, f64::NAN]), Some(Value { index: 1 }));
-    let uniform = |first: f32, step: f32, values: &[f32]| {
-        Uniform::new(first, step, values, Outside::Zero).err()
-    };
+    let uniform = |first: f32, step: f32, values: &[f32]| Uniform::new(first, step, values, Outside::Zero).err();
     assert_eq!(uniform(380.0, 5.0, &[1.0]), Some(TooFewNodes { count: 1 }));
     assert_eq!(uniform(f32::NAN, 5.0, &[1.0; 2]), Some(Wavelength { index: 0 }));
     for step in [0.0, -5.0, f32::NAN, f32::INFINITY, 1e-6] {
@@ -499,10 +438,7 @@ fn bad_spectra_are_refused_by_node() {
     let negative = Uniform::new(380.0, 5.0, &[0.0, -0.0, -1e-30], Outside::Zero).unwrap();
     assert_eq!(negative.check_non_negative(), Err(Negative { index: 2 }));
     let lines = |centres: &[f32], powers: &[f32], width| Lines::new(centres, powers, width).err();
-    assert_eq!(
-        lines(&[400.0, 500.0], &[1.0], 1.0),
-        Some(LengthMismatch { wavelengths: 2, values: 1 })
-    );
+    assert_eq!(lines(&[400.0, 500.0], &[1.0], 1.0), Some(LengthMismatch { wavelengths: 2, values: 1 }));
     assert_eq!(lines(&[400.0, 1e9], &[1.0, 1.0], 1.0), Some(Width { index: 1 }));
     assert_eq!(lines(&[400.0, 500.0], &[1.0, -1.0], 1.0), Some(Negative { index: 1 }));
     assert_eq!(lines(&[400.0, f32::NAN], &[1.0, 1.0], 1.0), Some(Wavelength { index: 1 }));

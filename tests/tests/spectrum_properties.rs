@@ -6,18 +6,13 @@ use proptest::prelude::*;
 use proptest::test_runner::{Config, RngSeed};
 use spectral_core::Real;
 use spectral_core::spectrum::{
-    Constant, Daylight, Line, Lines, Outside, PiecewiseLinear, Planck, RadiationConstant, Rounding,
-    Scaled, Spectrum, Uniform,
+    Constant, Daylight, Line, Lines, Outside, PiecewiseLinear, Planck, RadiationConstant, Rounding, Scaled, Spectrum,
+    Uniform,
 };
 use spectral_core::tables;
 
 fn config(cases: u32) -> Config {
-    Config {
-        cases,
-        rng_seed: RngSeed::Fixed(0x5eed),
-        failure_persistence: None,
-        ..Config::default()
-    }
+    Config { cases, rng_seed: RngSeed::Fixed(0x5eed), failure_persistence: None, ..Config::default() }
 }
 
 /// A scalar with neighbours, of any bits.
@@ -60,10 +55,7 @@ fn check_at<R: Float>(spectrum: &impl Spectrum<R>, wavelength: R) {
     let piece = spectrum.segment(wavelength);
     assert!(piece.end > wavelength, "{piece:?} at {wavelength:?} does not advance");
     assert!(piece.first.is_finite() && piece.last.is_finite(), "{piece:?} at {wavelength:?}");
-    assert!(
-        piece.end.is_finite() || piece.first == piece.last,
-        "{piece:?} at {wavelength:?} is not constant"
-    );
+    assert!(piece.end.is_finite() || piece.first == piece.last, "{piece:?} at {wavelength:?} is not constant");
     assert!(spectrum.value(wavelength).is_finite());
 }
 
@@ -94,20 +86,12 @@ fn check_linear<R: Float>(spectrum: &impl Spectrum<R>, wavelength: R, t: R, scal
     let there = spectrum.segment(inside);
     assert!(there.end == piece.end, "{there:?} at {inside:?} of {piece:?} from {wavelength:?}");
     let (first, last) = (piece.first.to_f64(), piece.last.to_f64());
-    let expected = weighted(
-        first,
-        last,
-        inside.to_f64() - wavelength.to_f64(),
-        piece.end.to_f64() - inside.to_f64(),
-    );
+    let expected = weighted(first, last, inside.to_f64() - wavelength.to_f64(), piece.end.to_f64() - inside.to_f64());
     let magnitude = if first >= 0.0 && last >= 0.0 && scale == 0.0 { expected } else { scale };
     // Four for the value, four for the first end, and the oracle's own; what underflows is lost.
     let tolerance = 10.0 * R::EPSILON.to_f64() * magnitude + R::MIN_POSITIVE.to_f64();
     let error = (there.first.to_f64() - expected).abs();
-    assert!(
-        error <= tolerance,
-        "{error:e} above {tolerance:e} at {inside:?} of {piece:?} from {wavelength:?}"
-    );
+    assert!(error <= tolerance, "{error:e} above {tolerance:e} at {inside:?} of {piece:?} from {wavelength:?}");
 }
 
 /// Increasing nodes from a start and steps, so far as the type can tell them apart.
@@ -124,15 +108,13 @@ fn nodes<R: Float>(start: f64, steps: &[f64], values: &[f64]) -> (Vec<R>, Vec<R>
     while found.len() < 2 {
         found.push(found[found.len() - 1].up());
     }
-    let values =
-        found.iter().zip(values.iter().cycle()).map(|(_, &value)| R::from_f64(value)).collect();
+    let values = found.iter().zip(values.iter().cycle()).map(|(_, &value)| R::from_f64(value)).collect();
     (found, values)
 }
 
 /// The value by a scan over the nodes, in f64.
 fn naive<R: Float>(wavelengths: &[R], values: &[R], outside: Outside, at: R) -> f64 {
-    let (w, v): (Vec<f64>, Vec<f64>) =
-        wavelengths.iter().zip(values).map(|(w, v)| (w.to_f64(), v.to_f64())).unzip();
+    let (w, v): (Vec<f64>, Vec<f64>) = wavelengths.iter().zip(values).map(|(w, v)| (w.to_f64(), v.to_f64())).unzip();
     let (at, last) = (at.to_f64(), w.len() - 1);
     if at < w[0] || at > w[last] {
         let held = if at < w[0] { v[0] } else { v[last] };
@@ -142,13 +124,7 @@ fn naive<R: Float>(wavelengths: &[R], values: &[R], outside: Outside, at: R) -> 
     weighted(v[i], v[i + 1], at - w[i], w[i + 1] - at)
 }
 
-fn check_piecewise<R: Float>(
-    wavelengths: &[R],
-    values: &[R],
-    outside: Outside,
-    t: R,
-    bits: &[u64],
-) {
+fn check_piecewise<R: Float>(wavelengths: &[R], values: &[R], outside: Outside, t: R, bits: &[u64]) {
     let spectrum = PiecewiseLinear::new(wavelengths, values, outside).unwrap();
     check_everywhere(&spectrum, wavelengths, bits);
     let largest = values.iter().fold(0.0_f64, |m, v| m.max(v.to_f64().abs()));
@@ -168,29 +144,17 @@ fn check_piecewise<R: Float>(
     }
     assert_eq!(spectrum.check_non_negative().is_ok(), !negative);
     if !negative {
-        assert!(
-            wavelengths
-                .iter()
-                .all(|&w| spectrum.value(w.down()) >= R::ZERO && spectrum.value(w.up()) >= R::ZERO)
-        );
+        assert!(wavelengths.iter().all(|&w| spectrum.value(w.down()) >= R::ZERO && spectrum.value(w.up()) >= R::ZERO));
     }
 }
 
-fn check_uniform<R: Float>(
-    first: f64,
-    step: f64,
-    values: &[f64],
-    outside: Outside,
-    t: R,
-    bits: &[u64],
-) {
+fn check_uniform<R: Float>(first: f64, step: f64, values: &[f64], outside: Outside, t: R, bits: &[u64]) {
     let (first, step) = (R::from_f64(first), R::from_f64(step));
     let values: Vec<R> = values.iter().map(|&value| R::from_f64(value)).collect();
     let Ok(uniform) = Uniform::new(first, step, &values, outside) else {
         return; // Nodes that the type can't tell apart are refused.
     };
-    let wavelengths: Vec<R> =
-        (0..values.len()).map(|index| first + step * R::from_usize(index)).collect();
+    let wavelengths: Vec<R> = (0..values.len()).map(|index| first + step * R::from_usize(index)).collect();
     let general = PiecewiseLinear::new(&wavelengths, &values, outside).unwrap();
     check_everywhere(&uniform, &wavelengths, bits);
     for &node in &wavelengths {
@@ -296,8 +260,7 @@ fn check_lines<R: Float>(centres: &[f64], powers: &[f64], width: f64, t: f64, bi
     let centres: Vec<R> = centres.iter().map(|&centre| R::from_f64(centre)).collect();
     let powers: Vec<R> = powers[..centres.len()].iter().map(|&power| R::from_f64(power)).collect();
     let lines = Lines::new(&centres, &powers, width).unwrap();
-    let corners: Vec<R> =
-        centres.iter().flat_map(|&centre| [centre - half, centre, centre + half]).collect();
+    let corners: Vec<R> = centres.iter().flat_map(|&centre| [centre - half, centre, centre + half]).collect();
     check_everywhere(&lines, &corners, bits);
     let single = Line::new(centres[0], width, powers[0]).unwrap();
     check_everywhere(&single, &corners, bits);

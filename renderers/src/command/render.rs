@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
-use renderers::image::{FalseColour, Scale, ScalarMap, write_exr, write_png};
+use renderers::image::{FalseColour, ScalarMap, Scale, write_exr, write_png};
 use renderers::progress::Progress;
 use renderers::render::{Options, Rendering, Spectra, render};
 use renderers::report::{ChartLabels, Histogram, Table};
@@ -199,9 +199,10 @@ impl Report {
             let share = above as f64 / map.pixels().len() as f64;
             [mean, max, path, share]
         });
-        let errors = rendering.delta_e.as_ref().and_then(|map| {
-            Histogram::of_values(map.pixels().iter().map(|e| f64::from(*e)), 0.0, threshold, 24).ok()
-        });
+        let errors = rendering
+            .delta_e
+            .as_ref()
+            .and_then(|map| Histogram::of_values(map.pixels().iter().map(|e| f64::from(*e)), 0.0, threshold, 24).ok());
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "whole numbers of intervals")]
         let counts = rendering.intervals.pixels().iter().map(|n| *n as usize);
         Self {

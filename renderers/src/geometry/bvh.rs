@@ -16,11 +16,12 @@ use super::round::Round;
 
 /// The bit of a child reference that marks a leaf.
 const LEAF: u32 = 1 << 31;
-/// The child reference of an empty place.
-const EMPTY: u32 = u32::MAX;
+/// The first leaf is empty: it is what places without child refer to.
+const EMPTY: u32 = LEAF;
 /// Subtrees with at most this many items become leaves.
-const LEAF_ITEMS: usize = 64;
-/// Traversal stacks: most worlds need the first, a million triangles the second.
+const LEAF_ITEMS: usize = 4;
+/// Traversal stacks: small worlds need the first. What would need more than the second, such as thousands of coincident
+/// triangles, is put in one leaf.
 const SMALL_STACK: usize = 32;
 const LARGE_STACK: usize = 192;
 
@@ -82,7 +83,7 @@ impl Detail {
 
     #[allow(clippy::cast_possible_truncation, reason = "the weights are wanted in f32")]
     fn new(pair: &Pair, half: usize) -> Self {
-        let [a, b, c] = pair.triangle(half).map(|v| v.as_dvec3());
+        let [a, b, c] = pair.triangle(half).map(Vec3A::as_dvec3);
         let normal = (b - a).cross(c - a);
         let size = a.abs().max(b.abs()).max(c.abs()).max_element();
         let rounding = 2.0 * f64::from(f32::EPSILON) * size / normal.length();
@@ -188,23 +189,21 @@ impl<const N: usize> Stack<N> {
 }
 
 impl Bvh {
-    /// Builds the hierarchy; `None` if it would be too deep to traverse (more than 60 levels).
-    pub(super) fn build(items: &[Item]) -> Option<Self> {
+    /// Builds the hierarchy.
+    pub(super) fn build(items: &[Item]) -> Self {
         let boxes: Vec<Aabb> = items.iter().map(Item::bounds).collect();
         let whole = boxes.iter().fold(Aabb::empty(), |whole, one| whole.union(one));
-        let mut bvh = Self { low: whole.min, high: whole.max, ..Self::default() };
         if items.is_empty() {
-            (bvh.low, bvh.high) = (Vec3A::ZERO, Vec3A::ZERO);
-            return Some(bvh);
+            return Self::default();
         }
-        let parameters =
-            BvhBuildParams { pre_split: false, max_prims_per_leaf: 1, ..BvhBuildParams::slow_build() };
+        let leaves = vec![Leaf { packets: [0; 2], rounds: [0; 2] }];
+        let bvh = Self { low: whole.min, high: whole.max, leaves, ..Self::default() };
+        let parameters = BvhBuildParams { pre_split: false, max_prims_per_leaf: 1, ..BvhBuildParams::slow_build() };
         let binary = build_bvh2(&boxes, parameters, &mut Duration::default());
         let mut collapse = Collapse { items, binary: &binary, counts: vec![0; binary.nodes.len()], bvh };
         collapse.count(0);
         collapse.root();
-        bvh = collapse.bvh;
-        (bvh.stack <= LARGE_STACK).then_some(bvh)
+        collapse.bvh
     }
 
     /// The corners of the box around everything; both zero if there is nothing.
@@ -302,17 +301,11 @@ impl Bvh {
 
     /// The reference of the root: a node, or the only leaf.
     fn root(&self) -> u32 {
-        if self.nodes.is_empty() { LEAF } else { 0 }
+        if self.nodes.is_empty() { LEAF | 1 } else { 0 }
     }
 
     #[inline(always)]
-    fn closest_in_leaf<const KZ: usize>(
-        &self,
-        child: u32,
-        ray: &Sheared,
-        t_max: &mut f32,
-        best: &mut Option<RawHit>,
-    ) {
+    fn closest_in_leaf<const KZ: usize>(&self, child: u32, ray: &Sheared, t_max: &mut f32, best: &mut Option<RawHit>) {
         let leaf = &self.leaves[(child & !LEAF) as usize];
         for index in leaf.packets[0]..leaf.packets[1] {
             if let Some(hit) = self.packets[index as usize].closest::<KZ>(ray, *t_max) {
@@ -332,8 +325,13 @@ impl Bvh {
     fn any_in_leaf<const KZ: usize>(&self, child: u32, ray: &Sheared) -> bool {
         let leaf = &self.leaves[(child & !LEAF) as usize];
         let t_max = ray.ray.t_max;
-        (leaf.packets[0]..leaf.packets[1]).any(|i| self.packets[i as usize].any::<KZ>(ray, t_max))
-            || (leaf.rounds[0]..leaf.rounds[1]).any(|i| self.round_distance(i, &ray.ray, t_max).is_some())
+        // A loop, because it is inlined where an iterator's method is not.
+        for packet in &self.packets[leaf.packets[0] as usize..leaf.packets[1] as usize] {
+            if packet.any::<KZ>(ray, t_max) {
+                return true;
+            }
+        }
+        (leaf.rounds[0]..leaf.rounds[1]).any(|i| self.round_distance(i, &ray.ray, t_max).is_some())
     }
 
     fn round_distance(&self, index: u32, ray: &Ray, t_max: f32) -> Option<f64> {
@@ -452,11 +450,8 @@ impl Collapse<'_> {
         for &index in order.iter().rev() {
             let node = &self.binary.nodes[index];
             let first = node.first_index as usize;
-            self.counts[index] = if node.is_leaf() {
-                node.prim_count as usize
-            } else {
-                self.counts[first] + self.counts[first + 1]
-            };
+            self.counts[index] =
+                if node.is_leaf() { node.prim_count as usize } else { self.counts[first] + self.counts[first + 1] };
         }
     }
 
@@ -476,8 +471,7 @@ impl Collapse<'_> {
     fn node(&mut self, index: usize, waiting: usize) -> u32 {
         let members = self.open(index);
         let place = self.bvh.nodes.len();
-        let mut node =
-            Node { low: [Vec4::INFINITY; 3], high: [Vec4::NEG_INFINITY; 3], children: [EMPTY; 4] };
+        let mut node = Node { low: [Vec4::INFINITY; 3], high: [Vec4::NEG_INFINITY; 3], children: [EMPTY; 4] };
         for (lane, member) in members.iter().enumerate() {
             let bounds = self.binary.nodes[*member].aabb();
             for axis in 0..3 {
@@ -489,10 +483,12 @@ impl Collapse<'_> {
         let waiting = waiting + members.len();
         self.bvh.stack = self.bvh.stack.max(waiting);
         for (lane, member) in members.into_iter().enumerate() {
-            let child = if self.is_leaf(member) { self.leaf(member) } else { self.node(member, waiting - 1) };
+            let too_deep = waiting + 3 > LARGE_STACK;
+            let leaf = too_deep || self.is_leaf(member);
+            let child = if leaf { self.leaf(member) } else { self.node(member, waiting - 1) };
             self.bvh.nodes[place].children[lane] = child;
         }
-        u32::try_from(place).unwrap_or(EMPTY)
+        u32::try_from(place).unwrap_or(u32::MAX)
     }
 
     /// Up to four subtrees: the largest box that is not a leaf is opened first.
@@ -532,10 +528,9 @@ impl Collapse<'_> {
             self.bvh.packets.extend(Packet::new(four));
             self.bvh.details.extend(Detail::of_packet(four));
         }
-        let range = |from: usize, to: usize| [from, to].map(|i| u32::try_from(i).unwrap_or(EMPTY));
-        let (packets, rounds) =
-            (range(starts.0, self.bvh.packets.len()), range(starts.1, self.bvh.rounds.len()));
+        let range = |from: usize, to: usize| [from, to].map(|i| u32::try_from(i).unwrap_or(u32::MAX));
+        let (packets, rounds) = (range(starts.0, self.bvh.packets.len()), range(starts.1, self.bvh.rounds.len()));
         self.bvh.leaves.push(Leaf { packets, rounds });
-        LEAF | u32::try_from(self.bvh.leaves.len() - 1).unwrap_or(EMPTY)
+        LEAF | u32::try_from(self.bvh.leaves.len() - 1).unwrap_or(u32::MAX)
     }
 }

@@ -130,48 +130,62 @@ impl Packet {
 
     /// The nearest hit with 0 ≤ t < `t_max`, for a ray prepared for axis `KZ`.
     #[inline(always)]
-    pub(super) fn closest<const KZ: usize>(&self, ray: &Sheared, mut t_max: f32) -> Option<PacketHit> {
-        let views = self.views::<KZ>(ray)?;
+    pub(super) fn closest<const KZ: usize>(&self, ray: &Sheared, t_max: f32) -> Option<PacketHit> {
+        let [first, second] = self.views::<KZ>(ray)?;
         let mut best = None;
-        for (half, view) in views.iter().enumerate().filter(|(_, view)| view.inside != 0) {
-            let found = view.distances(ray, t_max);
-            let mut lanes = found.possible;
-            while lanes != 0 {
-                let lane = lanes.trailing_zeros() as usize & 3;
-                lanes &= lanes - 1;
-                if ray.ray.exclude.contains(&self.primitive(half, lane)) {
-                    continue;
-                }
-                if found.certain >> lane & 1 != 0 {
-                    let t = found.t[lane];
-                    if t < t_max {
-                        t_max = t;
-                        best = Some(PacketHit { t, lane, half, weights: view.edges.map(|e| e[lane]) });
-                    }
-                } else if let Some(hit) = self.decide(view, ray, t_max, half, lane) {
-                    t_max = hit.t;
-                    best = Some(hit);
-                }
-            }
+        let mut t_max = t_max;
+        if first.inside != 0 {
+            self.closest_of_half(&first, ray, 0, &mut t_max, &mut best);
+        }
+        if second.inside != 0 {
+            self.closest_of_half(&second, ray, 1, &mut t_max, &mut best);
         }
         best
+    }
+
+    #[inline(always)]
+    fn closest_of_half(&self, view: &View, ray: &Sheared, half: usize, t_max: &mut f32, best: &mut Option<PacketHit>) {
+        let found = view.distances(ray, *t_max);
+        let mut lanes = found.possible;
+        while lanes != 0 {
+            let lane = lanes.trailing_zeros() as usize & 3;
+            lanes &= lanes - 1;
+            if ray.ray.exclude.contains(&self.primitive(half, lane)) {
+                continue;
+            }
+            if found.certain >> lane & 1 != 0 {
+                let t = found.t[lane];
+                if t < *t_max {
+                    *t_max = t;
+                    *best = Some(PacketHit { t, lane, half, weights: view.edges.map(|e| e[lane]) });
+                }
+            } else if let Some(hit) = self.decide(view, ray, *t_max, half, lane) {
+                *t_max = hit.t;
+                *best = Some(hit);
+            }
+        }
     }
 
     /// Whether there is any hit with 0 ≤ t < `t_max`, for a ray prepared for axis `KZ`.
     #[inline(always)]
     pub(super) fn any<const KZ: usize>(&self, ray: &Sheared, t_max: f32) -> bool {
-        let Some(views) = self.views::<KZ>(ray) else { return false };
-        for (half, view) in views.iter().enumerate().filter(|(_, view)| view.inside != 0) {
-            let found = view.distances(ray, t_max);
-            let mut lanes = found.possible;
-            while lanes != 0 {
-                let lane = lanes.trailing_zeros() as usize & 3;
-                lanes &= lanes - 1;
-                let excluded = ray.ray.exclude.contains(&self.primitive(half, lane));
-                let hit = || found.certain >> lane & 1 != 0 || self.decide(view, ray, t_max, half, lane).is_some();
-                if !excluded && hit() {
-                    return true;
-                }
+        let Some([first, second]) = self.views::<KZ>(ray) else { return false };
+        (first.inside != 0 && self.any_of_half(&first, ray, 0, t_max))
+            || (second.inside != 0 && self.any_of_half(&second, ray, 1, t_max))
+    }
+
+    #[inline(always)]
+    fn any_of_half(&self, view: &View, ray: &Sheared, half: usize, t_max: f32) -> bool {
+        let found = view.distances(ray, t_max);
+        let mut lanes = found.possible;
+        while lanes != 0 {
+            let lane = lanes.trailing_zeros() as usize & 3;
+            lanes &= lanes - 1;
+            if ray.ray.exclude.contains(&self.primitive(half, lane)) {
+                continue;
+            }
+            if found.certain >> lane & 1 != 0 || self.decide(view, ray, t_max, half, lane).is_some() {
+                return true;
             }
         }
         false
@@ -219,7 +233,7 @@ impl Packet {
         // A ray that starts on the triangle hits it only if it enters through its front.
         let within = exact.t > 0.0 || (exact.t == 0.0 && exact.slope < 0.0);
         let t = exact.t.abs() as f32;
-        (within && exact.t < f64::from(t_max)).then(|| PacketHit { t, lane, half, weights: exact.weights })
+        (within && exact.t < f64::from(t_max)).then_some(PacketHit { t, lane, half, weights: exact.weights })
     }
 }
 

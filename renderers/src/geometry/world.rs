@@ -2,7 +2,7 @@
 
 use core::ops::Range;
 
-use glam::{DVec3, Vec3A};
+use glam::Vec3A;
 
 use super::GeometryError;
 use super::bvh::{Bvh, Item, RawHit};
@@ -56,13 +56,8 @@ impl World {
             surface.check(index)?;
             parts.add(*shape, surface)?;
         }
-        let bvh = Bvh::build(&parts.items).ok_or(GeometryError::TooManyPrimitives)?;
-        Ok(Self {
-            bvh,
-            primitives: parts.primitives,
-            vertex_normals: parts.vertex_normals,
-            ranges: parts.ranges,
-        })
+        let bvh = Bvh::build(&parts.items);
+        Ok(Self { bvh, primitives: parts.primitives, vertex_normals: parts.vertex_normals, ranges: parts.ranges })
     }
 
     /// The first hit with 0 ≤ t < `t_max`, or `None`. A ray with a NaN hits nothing.
@@ -161,7 +156,7 @@ impl World {
     #[allow(clippy::cast_possible_truncation, reason = "the results are wanted in f32")]
     fn refine_triangle(&self, ray: &Ray, packet: u32, hit: &PacketHit) -> Hit {
         let detail = self.bvh.detail(packet, hit);
-        let [a, b, c] = self.bvh.packet(packet).triangle(hit.half, hit.lane).map(|v| v.as_dvec3());
+        let [a, b, c] = self.bvh.packet(packet).triangle(hit.half, hit.lane).map(Vec3A::as_dvec3);
         let weights = keep_off_edges(hit.weights, &detail.least);
         let position = (a + (b - a) * weights[1] + (c - a) * weights[2]).as_vec3a();
         let record = &self.primitives[detail.half.primitive as usize];
@@ -291,6 +286,6 @@ impl Parts {
 }
 
 fn area(triangle: [Vec3A; 3]) -> f64 {
-    let [a, b, c] = triangle.map(|v| v.as_dvec3());
+    let [a, b, c] = triangle.map(Vec3A::as_dvec3);
     (b - a).cross(c - a).length() / 2.0
 }

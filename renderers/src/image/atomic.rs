@@ -14,17 +14,11 @@ use std::path::{Path, PathBuf};
 ///
 /// # Errors
 /// [`ImageError::Io`], naming `path`, with the error of `write` or of the file system.
-pub fn write_atomic(
-    path: &Path,
-    write: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>,
-) -> Result<(), ImageError> {
+pub fn write_atomic(path: &Path, write: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>) -> Result<(), ImageError> {
     replace(path, write).map_err(|source| ImageError::io(path, source))
 }
 
-fn replace(
-    path: &Path,
-    write: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>,
-) -> io::Result<()> {
+fn replace(path: &Path, write: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>) -> io::Result<()> {
     if fs::metadata(path).is_ok_and(|data| !data.is_file()) {
         return Err(io::Error::other("not a regular file, so it is not replaced"));
     }
@@ -47,16 +41,11 @@ struct Unfinished {
 impl Unfinished {
     fn create(target: &Path) -> io::Result<(Self, File)> {
         static COUNTER: AtomicU64 = AtomicU64::new(0);
-        let name =
-            target.file_name().ok_or_else(|| io::Error::other("the path has no file name"))?;
+        let name = target.file_name().ok_or_else(|| io::Error::other("the path has no file name"))?;
         loop {
             let mut temporary = std::ffi::OsString::from(".");
             temporary.push(name);
-            temporary.push(format!(
-                ".{}-{}.part",
-                std::process::id(),
-                COUNTER.fetch_add(1, Ordering::Relaxed)
-            ));
+            temporary.push(format!(".{}-{}.part", std::process::id(), COUNTER.fetch_add(1, Ordering::Relaxed)));
             let path = target.with_file_name(temporary);
             match File::create_new(&path) {
                 Ok(file) => return Ok((Self { path, renamed: false }, file)),

@@ -79,21 +79,8 @@ impl Canvas {
     }
 
     /// [`Canvas::text`] turned by a quarter to the left, so that it reads upwards.
-    pub fn text_upwards(
-        &mut self,
-        text: &str,
-        at: [f32; 2],
-        size: f32,
-        anchor: Anchor,
-        colour: Rgb8,
-    ) {
-        self.write(
-            text,
-            size,
-            anchor,
-            Transform::from_row(0.0, -1.0, 1.0, 0.0, at[0], at[1]),
-            colour,
-        );
+    pub fn text_upwards(&mut self, text: &str, at: [f32; 2], size: f32, anchor: Anchor, colour: Rgb8) {
+        self.write(text, size, anchor, Transform::from_row(0.0, -1.0, 1.0, 0.0, at[0], at[1]), colour);
     }
 
     /// The width of a text in pixels, when its capitals are `size` pixels high.
@@ -126,24 +113,14 @@ impl Canvas {
 
     fn stroke(&mut self, path: PathBuilder, thickness: f32, transform: Transform, colour: Rgb8) {
         let Some(path) = path.finish() else { return };
-        let stroke = Stroke {
-            width: thickness,
-            line_cap: LineCap::Round,
-            line_join: LineJoin::Round,
-            ..Stroke::default()
-        };
+        let stroke =
+            Stroke { width: thickness, line_cap: LineCap::Round, line_join: LineJoin::Round, ..Stroke::default() };
         self.pixmap.stroke_path(&path, &paint(colour), &stroke, transform, None);
     }
 
     /// Puts a raster of colours with its top left corner at column `left` and row `top`, each pixel as a square of
     /// `magnification` pixels a side.
-    pub fn picture(
-        &mut self,
-        colours: &Raster<Rgb8>,
-        left: usize,
-        top: usize,
-        magnification: usize,
-    ) {
+    pub fn picture(&mut self, colours: &Raster<Rgb8>, left: usize, top: usize, magnification: usize) {
         let (width, height) = (self.width(), self.height());
         let right = width.min(left.saturating_add(colours.width().saturating_mul(magnification)));
         let bottom = height.min(top.saturating_add(colours.height().saturating_mul(magnification)));
@@ -165,12 +142,8 @@ impl Canvas {
     /// [`ImageError::Io`].
     pub fn write_png(&self, path: &Path) -> Result<(), ImageError> {
         // Everything is opaque, so that premultiplied is plain.
-        let bytes: Vec<u8> = self
-            .pixmap
-            .data()
-            .chunks_exact(4)
-            .flat_map(|pixel| [pixel[0], pixel[1], pixel[2]])
-            .collect();
+        let bytes: Vec<u8> =
+            self.pixmap.data().chunks_exact(4).flat_map(|pixel| [pixel[0], pixel[1], pixel[2]]).collect();
         write_rgb8(path, self.width(), self.height(), &bytes)
     }
 }

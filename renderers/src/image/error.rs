@@ -119,18 +119,10 @@ impl fmt::Display for ImageError {
                 write!(f, "{}: `{name}`: {reason}", file.display())
             }
             Self::ChannelSize { file, channel } => {
-                write!(
-                    f,
-                    "{}: channel `{channel}` differs in size from the picture",
-                    file.display()
-                )
+                write!(f, "{}: channel `{channel}` differs in size from the picture", file.display())
             }
             Self::NotFinite { file, channel, x, y } => {
-                write!(
-                    f,
-                    "{}: channel `{channel}` is not finite at pixel ({x}, {y})",
-                    file.display()
-                )
+                write!(f, "{}: channel `{channel}` is not finite at pixel ({x}, {y})", file.display())
             }
             Self::Size { width, height } => {
                 write!(f, "no picture can be {width} × {height} pixels")

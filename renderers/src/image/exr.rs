@@ -62,10 +62,8 @@ pub fn write_exr(
 type FlatImage = Image<Layer<AnyChannels<FlatSamples>>>;
 
 fn layered(picture: &Picture, channels: Vec<(Text, Vec<f32>)>, own: LayerAttributes) -> FlatImage {
-    let channels = channels
-        .into_iter()
-        .map(|(name, samples)| AnyChannel::new(name, FlatSamples::F32(samples)))
-        .collect();
+    let channels =
+        channels.into_iter().map(|(name, samples)| AnyChannel::new(name, FlatSamples::F32(samples))).collect();
     let size = Vec2(picture.width(), picture.height());
     // Sixteen rows a block: a good ratio, and other readers know it.
     let layer = Layer::new(size, own, Encoding::SMALL_LOSSLESS, AnyChannels::sort(channels));
@@ -76,17 +74,12 @@ fn layered(picture: &Picture, channels: Vec<(Text, Vec<f32>)>, own: LayerAttribu
 
 fn rec_709() -> Chromaticities {
     #[allow(clippy::cast_possible_truncation, reason = "the format holds f32")]
-    let [red, green, blue, white] = [PRIMARIES[0], PRIMARIES[1], PRIMARIES[2], WHITE_CHROMATICITY]
-        .map(|[x, y]| Vec2(x as f32, y as f32));
+    let [red, green, blue, white] =
+        [PRIMARIES[0], PRIMARIES[1], PRIMARIES[2], WHITE_CHROMATICITY].map(|[x, y]| Vec2(x as f32, y as f32));
     Chromaticities { red, green, blue, white }
 }
 
-fn check_channel(
-    file: &Path,
-    picture: &Picture,
-    name: &str,
-    map: &ScalarMap,
-) -> Result<(), ImageError> {
+fn check_channel(file: &Path, picture: &Picture, name: &str, map: &ScalarMap) -> Result<(), ImageError> {
     let (file, channel) = (file.to_owned(), name.to_owned());
     if !picture.same_size(map) {
         return Err(ImageError::ChannelSize { file, channel });
@@ -101,11 +94,7 @@ fn check_channel(
 const OUTSIDE_LATIN_1: &str = "has a character outside Latin-1";
 
 /// Names in `OpenEXR` are of 1 to 255 Latin-1 characters here (31 in files of old readers), each given once.
-fn checked_name<'t>(
-    file: &Path,
-    name: &str,
-    mut taken: impl Iterator<Item = &'t Text>,
-) -> Result<Text, ImageError> {
+fn checked_name<'t>(file: &Path, name: &str, mut taken: impl Iterator<Item = &'t Text>) -> Result<Text, ImageError> {
     let refuse = |reason| ImageError::Name { file: file.to_owned(), name: name.to_owned(), reason };
     let text = Text::new_or_none(name).ok_or_else(|| refuse(OUTSIDE_LATIN_1))?;
     match text.as_slice().len() {
@@ -128,10 +117,7 @@ fn standard_text<'a>(name: &str, own: &'a mut LayerAttributes) -> Option<&'a mut
     }
 }
 
-fn checked_attributes(
-    file: &Path,
-    attributes: &[(&str, &str)],
-) -> Result<LayerAttributes, ImageError> {
+fn checked_attributes(file: &Path, attributes: &[(&str, &str)]) -> Result<LayerAttributes, ImageError> {
     let mut own = LayerAttributes::default();
     let mut names: Vec<Text> = Vec::with_capacity(attributes.len());
     for &(name, value) in attributes {
@@ -165,10 +151,7 @@ pub fn read_exr(path: &Path) -> Result<ExrPicture, ImageError> {
     for channel in channel_data.list {
         let name = channel.name.to_string();
         if channel.sampling != Vec2(1, 1) {
-            return Err(ImageError::unsupported(
-                path,
-                format_args!("channel `{name}` is subsampled"),
-            ));
+            return Err(ImageError::unsupported(path, format_args!("channel `{name}` is subsampled")));
         }
         let samples = match channel.sample_data {
             FlatSamples::F32(samples) => samples,
@@ -208,18 +191,10 @@ fn decode(path: &Path) -> Result<FlatImage, ImageError> {
 fn colours(file: &Path, channels: &mut Vec<(String, ScalarMap)>) -> Result<Picture, ImageError> {
     let mut take = |wanted: &str| match channels.iter().position(|(name, _)| name == wanted) {
         Some(index) => Ok(channels.remove(index).1),
-        None => {
-            Err(ImageError::MissingChannel { file: file.to_owned(), channel: wanted.to_owned() })
-        }
+        None => Err(ImageError::MissingChannel { file: file.to_owned(), channel: wanted.to_owned() }),
     };
     let (red, green, blue) = (take("R")?, take("G")?, take("B")?);
-    let pixels = red
-        .pixels()
-        .iter()
-        .zip(green.pixels())
-        .zip(blue.pixels())
-        .map(|((&r, &g), &b)| [r, g, b])
-        .collect();
+    let pixels = red.pixels().iter().zip(green.pixels()).zip(blue.pixels()).map(|((&r, &g), &b)| [r, g, b]).collect();
     let picture = Picture::from_pixels(red.width(), red.height(), pixels)?;
     check_finite(file, &picture)?;
     Ok(picture)

@@ -48,13 +48,7 @@ impl<'a> FalseColour<'a> {
     /// A continuous linear map in [`Palette::Viridis`] from `low` to `high`.
     #[must_use]
     pub fn new(title: &'a str, low: f64, high: f64) -> Self {
-        Self {
-            title,
-            range: (low, high),
-            scale: Scale::Linear,
-            levels: Levels::Continuous,
-            palette: Palette::Viridis,
-        }
+        Self { title, range: (low, high), scale: Scale::Linear, levels: Levels::Continuous, palette: Palette::Viridis }
     }
 
     /// A map of counts from the least to the largest in `map`.
@@ -68,11 +62,7 @@ impl<'a> FalseColour<'a> {
     #[must_use]
     pub fn fitting(title: &'a str, map: &ScalarMap) -> Self {
         let (low, high) = extremes(map).unwrap_or((0.0, 0.0));
-        if low < high {
-            Self::new(title, low, high)
-        } else {
-            Self::new(title, low - 0.5, low + 0.5)
-        }
+        if low < high { Self::new(title, low, high) } else { Self::new(title, low - 0.5, low + 0.5) }
     }
 
     /// A linear map of signed numbers in [`Palette::CoolWarm`], from −`limit` to `limit`.
@@ -103,17 +93,11 @@ impl<'a> FalseColour<'a> {
         let (width, height) = (map.width() * magnification, map.height() * magnification);
         let bar_height = height.max(SHOWN / 2);
         let bar_left = MARGIN + width + MARGIN;
-        let needed = (bar_left + legend.width())
-            .max(2 * MARGIN + pixels(Canvas::text_width(self.title, TEXT)));
+        let needed = (bar_left + legend.width()).max(2 * MARGIN + pixels(Canvas::text_width(self.title, TEXT)));
         let mut canvas = Canvas::new(needed, HEADING + MARGIN + bar_height + MARGIN, GROUND)?;
         canvas.text(self.title, [position(MARGIN), position(HEADING)], TEXT, Anchor::Start, INK);
         let top = HEADING + MARGIN;
-        canvas.picture(
-            &map.map(|&value| legend.colour(f64::from(value))),
-            MARGIN,
-            top,
-            magnification,
-        );
+        canvas.picture(&map.map(|&value| legend.colour(f64::from(value))), MARGIN, top, magnification);
         legend.draw(&mut canvas, bar_left, top, bar_height);
         Ok(canvas)
     }
@@ -121,8 +105,7 @@ impl<'a> FalseColour<'a> {
 
 /// The least and the largest finite number.
 pub(crate) fn extremes(map: &ScalarMap) -> Option<(f64, f64)> {
-    let finite =
-        map.pixels().iter().filter(|value| value.is_finite()).map(|&value| f64::from(value));
+    let finite = map.pixels().iter().filter(|value| value.is_finite()).map(|&value| f64::from(value));
     finite.fold(None, |range, value| match range {
         None => Some((value, value)),
         Some((low, high)) => Some((low.min(value), high.max(value))),
@@ -136,11 +119,7 @@ fn position(pixels: usize) -> f32 {
 }
 
 /// A length in whole pixels, rounded up.
-#[allow(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "lengths are small and positive"
-)]
+#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "lengths are small and positive")]
 fn pixels(length: f32) -> usize {
     length.ceil() as usize
 }
@@ -185,30 +164,17 @@ impl Legend {
         Scale::Linear.check(bottom, top)?;
         let limit = position(MANY);
         if top - bottom > f64::from(limit) {
-            let ticks = ticks(Scale::Linear, bottom, top, 6)
-                .into_iter()
-                .filter(|t| t.value.fract() == 0.0)
-                .collect();
+            let ticks = ticks(Scale::Linear, bottom, top, 6).into_iter().filter(|t| t.value.fract() == 0.0).collect();
             let colours = style.palette.steps(SMOOTH);
             return Ok(Self { scale: Scale::Linear, low: bottom, high: top, colours, ticks });
         }
-        #[allow(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            reason = "between 1 and 16"
-        )]
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "between 1 and 16")]
         let count = (top - bottom) as usize;
         let ticks = (0..count)
             .map(|k| bottom + 0.5 + f64::from(position(k)))
             .map(|value| Tick { value, label: format!("{value:.0}") })
             .collect();
-        Ok(Self {
-            scale: Scale::Linear,
-            low: bottom,
-            high: top,
-            colours: style.palette.steps(count),
-            ticks,
-        })
+        Ok(Self { scale: Scale::Linear, low: bottom, high: top, colours: style.palette.steps(count), ticks })
     }
 
     /// Labels the ends of the scale with ≤ and ≥ where numbers of the map lie beyond them.
@@ -234,20 +200,14 @@ impl Legend {
             return NOT_A_NUMBER;
         }
         let count = self.colours.len();
-        let part = self.scale.fraction(value, self.low, self.high).clamp(0.0, 1.0)
-            * f64::from(position(count));
-        #[allow(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            reason = "between 0 and the count"
-        )]
+        let part = self.scale.fraction(value, self.low, self.high).clamp(0.0, 1.0) * f64::from(position(count));
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "between 0 and the count")]
         let index = (part as usize).min(count - 1);
         self.colours.get(index).copied().unwrap_or(NOT_A_NUMBER)
     }
 
     fn width(&self) -> usize {
-        let text =
-            self.ticks.iter().map(|tick| Canvas::text_width(&tick.label, TEXT)).fold(0.0, f32::max);
+        let text = self.ticks.iter().map(|tick| Canvas::text_width(&tick.label, TEXT)).fold(0.0, f32::max);
         BAR + 10 + pixels(text) + MARGIN
     }
 
@@ -266,13 +226,7 @@ impl Legend {
             #[allow(clippy::cast_possible_truncation, reason = "a coordinate in pixels")]
             let down = (1.0 - self.scale.fraction(tick.value, self.low, self.high)) as f32 * height;
             canvas.lines(&[[x + width, y + down], [x + width + 4.0, y + down]], 1.0, INK);
-            canvas.text(
-                &tick.label,
-                [x + width + 9.0, y + down + 0.5 * TEXT],
-                TEXT,
-                Anchor::Start,
-                INK,
-            );
+            canvas.text(&tick.label, [x + width + 9.0, y + down + 0.5 * TEXT], TEXT, Anchor::Start, INK);
         }
     }
 }
@@ -291,11 +245,7 @@ fn short(value: f64) -> String {
         2
     };
     let text = if magnitude < 1.0 { format!("{value:.4}") } else { format!("{value:.decimals$}") };
-    if text.contains('.') {
-        text.trim_end_matches('0').trim_end_matches('.').to_owned()
-    } else {
-        text
-    }
+    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
 }
 
 #[cfg(test)]
@@ -360,13 +310,9 @@ mod tests {
     fn impossible_ranges_are_refused() {
         let map = row(&[1.0, 2.0]);
         for (low, high) in [(1.0, 1.0), (2.0, 1.0), (f64::NAN, 1.0), (0.0, f64::INFINITY)] {
-            assert!(matches!(
-                FalseColour::new("", low, high).draw(&map),
-                Err(ImageError::Range { .. })
-            ));
+            assert!(matches!(FalseColour::new("", low, high).draw(&map), Err(ImageError::Range { .. })));
         }
-        let logarithmic =
-            FalseColour { scale: Scale::Logarithmic, ..FalseColour::new("", 0.0, 1.0) };
+        let logarithmic = FalseColour { scale: Scale::Logarithmic, ..FalseColour::new("", 0.0, 1.0) };
         assert!(matches!(logarithmic.draw(&map), Err(ImageError::Range { .. })));
     }
 

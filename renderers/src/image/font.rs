@@ -41,8 +41,7 @@ pub(super) fn strokes(text: &str) -> (Vec<Segment>, f32) {
 
 /// The largest x of a glyph.
 fn width(glyph: &str) -> f32 {
-    let largest =
-        glyph.split('|').flat_map(points).fold(0.0, |largest: f32, (x, _)| largest.max(x));
+    let largest = glyph.split('|').flat_map(points).fold(0.0, |largest: f32, (x, _)| largest.max(x));
     // Narrow glyphs such as a point need some room of their own.
     largest.max(0.4)
 }
@@ -183,14 +182,8 @@ mod tests {
                 let curved = stroke.starts_with('~');
                 let pairs: Vec<&str> = stroke.trim_start_matches('~').split(' ').collect();
                 assert!(pairs.iter().all(|pair| pair.len() == 2), "`{character}`: {stroke}");
-                assert!(
-                    pairs.len() >= 2 && (!curved || pairs.len() % 2 == 1),
-                    "`{character}`: {stroke}"
-                );
-                assert!(
-                    points(stroke)
-                        .all(|(x, y)| (0.0..=6.0).contains(&x) && (0.0..=8.0).contains(&y))
-                );
+                assert!(pairs.len() >= 2 && (!curved || pairs.len() % 2 == 1), "`{character}`: {stroke}");
+                assert!(points(stroke).all(|(x, y)| (0.0..=6.0).contains(&x) && (0.0..=8.0).contains(&y)));
                 assert_eq!(points(stroke).count(), pairs.len());
             }
         }
@@ -203,10 +196,7 @@ mod tests {
         glyphs.sort_unstable();
         glyphs.dedup();
         assert_eq!(glyphs.len(), count);
-        assert!(
-            !glyphs.contains(&glyph('\u{1f600}')),
-            "the box stands for what is not here, and for nothing else"
-        );
+        assert!(!glyphs.contains(&glyph('\u{1f600}')), "the box stands for what is not here, and for nothing else");
     }
 
     #[test]

@@ -4,8 +4,7 @@ use super::Rgb8;
 use core::f64::consts::PI;
 use spectral_core::colour::rgb::WHITE;
 use spectral_core::colour::{
-    decode_srgb, lab_to_xyz, linear_rgb_to_srgb8, linear_rgb_to_xyz, srgb8_to_linear_rgb,
-    xyz_to_lab, xyz_to_linear_rgb,
+    decode_srgb, lab_to_xyz, linear_rgb_to_srgb8, linear_rgb_to_xyz, srgb8_to_linear_rgb, xyz_to_lab, xyz_to_linear_rgb,
 };
 
 /// A way to colour the numbers from 0 to 1.
@@ -87,8 +86,7 @@ const NEUTRAL: f64 = 88.0;
 
 /// Moreland's interpolation between one end and the neutral middle.
 fn cool_warm(fraction: f64) -> [f64; 3] {
-    let (end, towards_end) =
-        if fraction < 0.5 { (COOL, 1.0 - 2.0 * fraction) } else { (WARM, 2.0 * fraction - 1.0) };
+    let (end, towards_end) = if fraction < 0.5 { (COOL, 1.0 - 2.0 * fraction) } else { (WARM, 2.0 * fraction - 1.0) };
     let end = polar(xyz_to_lab(linear_rgb_to_xyz(srgb8_to_linear_rgb(end)), WHITE));
     let middle = [NEUTRAL, 0.0, unsaturated_hue(end, NEUTRAL)];
     cartesian(mix(middle, end, towards_end))
@@ -101,11 +99,7 @@ fn polar([lightness, a, b]: [f64; 3]) -> [f64; 3] {
 }
 
 fn cartesian([magnitude, angle, hue]: [f64; 3]) -> [f64; 3] {
-    [
-        magnitude * angle.cos(),
-        magnitude * angle.sin() * hue.cos(),
-        magnitude * angle.sin() * hue.sin(),
-    ]
+    [magnitude * angle.cos(), magnitude * angle.sin() * hue.cos(), magnitude * angle.sin() * hue.sin()]
 }
 
 /// The hue to head for near grey, so that the steps stay even while the magnitude changes (Moreland's `AdjustHue`).
@@ -113,8 +107,7 @@ fn unsaturated_hue([magnitude, angle, hue]: [f64; 3], unsaturated: f64) -> f64 {
     if magnitude >= unsaturated {
         return hue;
     }
-    let spin = angle * (unsaturated * unsaturated - magnitude * magnitude).sqrt()
-        / (magnitude * angle.sin());
+    let spin = angle * (unsaturated * unsaturated - magnitude * magnitude).sqrt() / (magnitude * angle.sin());
     if hue > -PI / 3.0 { hue + spin } else { hue - spin }
 }
 
@@ -142,10 +135,7 @@ mod tests {
             let expected = xyz_to_lab(linear_rgb_to_xyz(srgb.map(decode_srgb)), WHITE);
             let actual = lab(Palette::Viridis.colour(f64::from(entry) / 255.0));
             // Straight lines between 16 knots cut the curve's corners, by less than an eye sees.
-            assert!(
-                delta_e_00(actual, expected) <= 1.0,
-                "{entry}: {actual:?}, published {expected:?}"
-            );
+            assert!(delta_e_00(actual, expected) <= 1.0, "{entry}: {actual:?}, published {expected:?}");
         }
     }
 

@@ -42,26 +42,14 @@ impl<T> Raster<T> {
     ///
     /// # Errors
     /// [`ImageError::Size`] if a side is 0 or there are more than [`MAX_PIXELS`].
-    pub fn from_fn(
-        width: usize,
-        height: usize,
-        value: impl Fn(usize, usize) -> T,
-    ) -> Result<Self, ImageError> {
+    pub fn from_fn(width: usize, height: usize, value: impl Fn(usize, usize) -> T) -> Result<Self, ImageError> {
         let count = area(width, height)?;
-        Ok(Self {
-            width,
-            height,
-            pixels: (0..count).map(|k| value(k % width, k / width)).collect(),
-        })
+        Ok(Self { width, height, pixels: (0..count).map(|k| value(k % width, k / width)).collect() })
     }
 
     /// A raster of the same size with each pixel mapped.
     pub fn map<U>(&self, function: impl FnMut(&T) -> U) -> Raster<U> {
-        Raster {
-            width: self.width,
-            height: self.height,
-            pixels: self.pixels.iter().map(function).collect(),
-        }
+        Raster { width: self.width, height: self.height, pixels: self.pixels.iter().map(function).collect() }
     }
 
     /// Pixels in a row, at least 1.
@@ -96,11 +84,7 @@ impl<T> Raster<T> {
     /// The pixel at column `x` from the left and row `y` from the top, or `None` outside.
     #[must_use]
     pub fn get(&self, x: usize, y: usize) -> Option<&T> {
-        if x < self.width {
-            self.pixels.get(y.checked_mul(self.width)?.checked_add(x)?)
-        } else {
-            None
-        }
+        if x < self.width { self.pixels.get(y.checked_mul(self.width)?.checked_add(x)?) } else { None }
     }
 
     /// Column and row of a pixel given by its index in [`Raster::pixels`].
@@ -147,10 +131,7 @@ mod tests {
     fn impossible_sizes_are_refused() {
         for (width, height) in [(0, 5), (5, 0), (0, 0), (MAX_PIXELS, 2), (usize::MAX, usize::MAX)] {
             assert!(matches!(ScalarMap::filled(width, height, 0.0), Err(ImageError::Size { .. })));
-            assert!(matches!(
-                Raster::from_fn(width, height, |_, _| ()),
-                Err(ImageError::Size { .. })
-            ));
+            assert!(matches!(Raster::from_fn(width, height, |_, _| ()), Err(ImageError::Size { .. })));
         }
         assert!(ScalarMap::from_pixels(2, 2, vec![0.0; 3]).is_err());
         assert!(ScalarMap::from_pixels(2, 2, vec![0.0; 4]).is_ok());

@@ -37,11 +37,7 @@ impl Scale {
     /// Refuses limits that no such scale can have.
     pub(crate) fn check(self, low: f64, high: f64) -> Result<(), ImageError> {
         let positive = self == Self::Linear || low > 0.0;
-        if low < high && (high - low).is_finite() && positive {
-            Ok(())
-        } else {
-            Err(ImageError::Range { low, high })
-        }
+        if low < high && (high - low).is_finite() && positive { Ok(()) } else { Err(ImageError::Range { low, high }) }
     }
 }
 
@@ -125,9 +121,7 @@ fn logarithmic(low: f64, high: f64, count: usize) -> Vec<Tick> {
     let stride = decades.div_ceil(count.max(1));
     (first..=last)
         .step_by(stride)
-        .flat_map(|decade| {
-            factors.iter().map(move |factor| (factor * 10.0_f64.powi(decade), decade))
-        })
+        .flat_map(|decade| factors.iter().map(move |factor| (factor * 10.0_f64.powi(decade), decade)))
         .filter(|&(value, _)| value >= low * (1.0 - 1e-9) && value <= high * (1.0 + 1e-9))
         .map(|(value, decade)| Tick { value, label: label(value, decade, value) })
         .collect()
@@ -153,19 +147,14 @@ mod tests {
     #[test]
     fn logarithmic_ticks_are_powers_of_ten() {
         assert_eq!(labels(Scale::Logarithmic, 0.5, 200.0, 4), ["1", "10", "100"]);
-        assert_eq!(
-            labels(Scale::Logarithmic, 1.0, 100.0, 8),
-            ["1", "2", "5", "10", "20", "50", "100"]
-        );
+        assert_eq!(labels(Scale::Logarithmic, 1.0, 100.0, 8), ["1", "2", "5", "10", "20", "50", "100"]);
         assert_eq!(labels(Scale::Logarithmic, 1e-8, 1e-2, 3), ["1e-8", "1e-5", "0.01"]);
         assert_eq!(labels(Scale::Logarithmic, 2.0, 8.0, 3), ["2", "4", "6", "8"]);
     }
 
     #[test]
     fn impossible_scales_have_no_ticks() {
-        for (low, high) in
-            [(1.0, 1.0), (2.0, 1.0), (f64::NAN, 1.0), (0.0, f64::INFINITY), (-f64::MAX, f64::MAX)]
-        {
+        for (low, high) in [(1.0, 1.0), (2.0, 1.0), (f64::NAN, 1.0), (0.0, f64::INFINITY), (-f64::MAX, f64::MAX)] {
             assert!(ticks(Scale::Linear, low, high, 5).is_empty());
         }
         assert!(ticks(Scale::Logarithmic, 0.0, 1.0, 5).is_empty());
@@ -179,10 +168,7 @@ mod tests {
                 for ratio in [1.1, 3.0, 40.0, 1e9] {
                     let (low, high) = (low, low * ratio);
                     let marks = ticks(scale, low, high, 5);
-                    assert!(
-                        (1..=12).contains(&marks.len()),
-                        "{scale:?} {low:e} {high:e}: {marks:?}"
-                    );
+                    assert!((1..=12).contains(&marks.len()), "{scale:?} {low:e} {high:e}: {marks:?}");
                     for tick in marks {
                         let fraction = scale.fraction(tick.value, low, high);
                         assert!((-1e-6..=1.0 + 1e-6).contains(&fraction));

@@ -60,11 +60,7 @@ impl<'a> Bsdfs<'a> {
     }
 
     /// Reads a `<bsdf>` element.
-    pub(crate) fn add(
-        &mut self,
-        node: Node<'a>,
-        spectra: &mut Spectra<'a>,
-    ) -> Result<BsdfId, SceneError> {
+    pub(crate) fn add(&mut self, node: Node<'a>, spectra: &mut Spectra<'a>) -> Result<BsdfId, SceneError> {
         if let Some(&id) = self.known.get(&node.index()) {
             return Ok(id);
         }
@@ -91,11 +87,7 @@ impl<'a> Bsdfs<'a> {
     }
 
     /// Takes the nested or referenced material of a shape; diffuse with reflectance 0.5 if there is none.
-    pub(crate) fn of_shape(
-        &mut self,
-        props: &mut Props<'a>,
-        spectra: &mut Spectra<'a>,
-    ) -> Result<BsdfId, SceneError> {
+    pub(crate) fn of_shape(&mut self, props: &mut Props<'a>, spectra: &mut Spectra<'a>) -> Result<BsdfId, SceneError> {
         if let Some(node) = self.next_nested(props)? {
             return self.add(node, spectra);
         }
@@ -120,26 +112,18 @@ impl<'a> Bsdfs<'a> {
         }
     }
 
-    fn two_sided(
-        &mut self,
-        props: &mut Props<'a>,
-        spectra: &mut Spectra<'a>,
-    ) -> Result<BsdfKind, SceneError> {
+    fn two_sided(&mut self, props: &mut Props<'a>, spectra: &mut Spectra<'a>) -> Result<BsdfKind, SceneError> {
         let mut sides = Vec::new();
         while let Some(node) = self.next_nested(props)? {
             if matches!(node.attribute("type"), Some("twosided" | "dielectric")) {
-                return Err(props
-                    .node()
-                    .error("a two-sided bsdf holds neither a dielectric nor a two-sided bsdf"));
+                return Err(props.node().error("a two-sided bsdf holds neither a dielectric nor a two-sided bsdf"));
             }
             sides.push(self.add(node, spectra)?);
         }
         match *sides.as_slice() {
             [both] => Ok(BsdfKind::TwoSided { front: both, back: both }),
             [front, back] => Ok(BsdfKind::TwoSided { front, back }),
-            _ => Err(props
-                .node()
-                .error(format!("a two-sided bsdf holds one or two bsdfs, not {}", sides.len()))),
+            _ => Err(props.node().error(format!("a two-sided bsdf holds one or two bsdfs, not {}", sides.len()))),
         }
     }
 
@@ -164,16 +148,10 @@ fn conductor<'a>(props: &mut Props<'a>, spectra: &mut Spectra<'a>) -> Result<Bsd
         (None, ..) => return Err(props.node().error("\"eta\" and \"k\" must be given together")),
         (Some(_), ..) => return Err(props.node().error("\"material\" excludes \"eta\" and \"k\"")),
     };
-    Ok(BsdfKind::Conductor {
-        fresnel,
-        specular_reflectance: factor(props, spectra, "specular_reflectance")?,
-    })
+    Ok(BsdfKind::Conductor { fresnel, specular_reflectance: factor(props, spectra, "specular_reflectance")? })
 }
 
-fn dielectric<'a>(
-    props: &mut Props<'a>,
-    spectra: &mut Spectra<'a>,
-) -> Result<BsdfKind, SceneError> {
+fn dielectric<'a>(props: &mut Props<'a>, spectra: &mut Spectra<'a>) -> Result<BsdfKind, SceneError> {
     Ok(BsdfKind::Dielectric {
         int_ior: ior(props, spectra, "int_ior", 1.5046)?,
         ext_ior: ior(props, spectra, "ext_ior", 1.000_277)?,
@@ -185,60 +163,29 @@ fn dielectric<'a>(
 
 fn schlick<'a>(props: &mut Props<'a>, spectra: &mut Spectra<'a>) -> Result<BsdfKind, SceneError> {
     Ok(BsdfKind::Schlick {
-        reflectance: spectra.property(
-            props,
-            "reflectance",
-            Role::Fraction,
-            SpectrumKind::Constant(0.5),
-        )?,
-        roughness: props.float_where(
-            "roughness",
-            1.0,
-            |r| (0.0..=1.0).contains(&r),
-            "between 0 and 1",
-        )?,
-        isotropy: props.float_where(
-            "isotropy",
-            1.0,
-            |p| p > 0.0 && p <= 1.0,
-            "above 0 and at most 1",
-        )?,
+        reflectance: spectra.property(props, "reflectance", Role::Fraction, SpectrumKind::Constant(0.5))?,
+        roughness: props.float_where("roughness", 1.0, |r| (0.0..=1.0).contains(&r), "between 0 and 1")?,
+        isotropy: props.float_where("isotropy", 1.0, |p| p > 0.0 && p <= 1.0, "above 0 and at most 1")?,
     })
 }
 
-fn factor<'a>(
-    props: &mut Props<'a>,
-    spectra: &mut Spectra<'a>,
-    name: &str,
-) -> Result<super::SpectrumId, SceneError> {
+fn factor<'a>(props: &mut Props<'a>, spectra: &mut Spectra<'a>, name: &str) -> Result<super::SpectrumId, SceneError> {
     spectra.property(props, name, Role::Fraction, SpectrumKind::Constant(1.0))
 }
 
 /// A refractive index: a number, a name of Mitsuba's or of a dispersive glass, or a spectrum.
-fn ior<'a>(
-    props: &mut Props<'a>,
-    spectra: &mut Spectra<'a>,
-    name: &str,
-    default: f64,
-) -> Result<Ior, SceneError> {
+fn ior<'a>(props: &mut Props<'a>, spectra: &mut Spectra<'a>, name: &str, default: f64) -> Result<Ior, SceneError> {
     let Some(node) = props.peek(name) else { return Ok(Ior::Constant(default)) };
     match node.tag() {
         "string" => {
             let Some((node, text)) = props.string(name)? else { return Ok(Ior::Constant(default)) };
             named_ior(text).ok_or_else(|| {
-                let message = format!(
-                    "no material is called {text:?} (dispersive: {})",
-                    DISPERSIVE_GLASSES.join(", ")
-                );
+                let message = format!("no material is called {text:?} (dispersive: {})", DISPERSIVE_GLASSES.join(", "));
                 node.error(message)
             })
         }
-        "float" | "integer" => {
-            Ok(Ior::Constant(props.float_where(name, default, |n| n > 0.0, "positive")?))
-        }
-        _ => Ok(spectra
-            .optional(props, name, Role::Index)?
-            .map_or(Ior::Constant(default), Ior::Spectrum)),
+        "float" | "integer" => Ok(Ior::Constant(props.float_where(name, default, |n| n > 0.0, "positive")?)),
+        _ => Ok(spectra.optional(props, name, Role::Index)?.map_or(Ior::Constant(default), Ior::Spectrum)),
     }
 }
 

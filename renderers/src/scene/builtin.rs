@@ -53,10 +53,7 @@ pub fn names() -> impl Iterator<Item = &'static str> {
 #[must_use]
 pub fn source(name: &str) -> Option<Source> {
     let (file, xml) = find(name)?;
-    Some(
-        assets(xml)
-            .fold(Source::text(file, xml), |source, (asset, text)| source.with_asset(asset, text)),
-    )
+    Some(assets(xml).fold(Source::text(file, xml), |source, (asset, text)| source.with_asset(asset, text)))
 }
 
 /// Reads a built-in scene; `parameters` as in [`load`](super::load) (all of them take `resolution` and `spp`).
@@ -79,12 +76,7 @@ pub fn export(name: &str, folder: &Path) -> Result<Vec<PathBuf>, SceneError> {
         .map(|(file, text)| {
             let path = folder.join(file);
             write(&path, text).map_err(|e| {
-                SceneError::new(
-                    &path.display().to_string(),
-                    (0, 0),
-                    "",
-                    format!("cannot write the file: {e}"),
-                )
+                SceneError::new(&path.display().to_string(), (0, 0), "", format!("cannot write the file: {e}"))
             })?;
             Ok(path)
         })

@@ -287,9 +287,7 @@ impl Geometry {
             Self::Rectangle { half_u, half_v, .. } => 4.0 * half_u.cross(*half_v).length(),
             Self::Disk { radius, .. } => core::f64::consts::PI * radius * radius,
             Self::Sphere { radius, .. } => 4.0 * core::f64::consts::PI * radius * radius,
-            Self::Mesh(mesh) => {
-                (0..mesh.triangles.len()).map(|t| mesh.face_cross(t).length() / 2.0).sum()
-            }
+            Self::Mesh(mesh) => (0..mesh.triangles.len()).map(|t| mesh.face_cross(t).length() / 2.0).sum(),
         }
     }
 }

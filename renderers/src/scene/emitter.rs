@@ -37,8 +37,7 @@ pub(crate) fn add<'a>(loader: &mut Loader<'a>, node: Node<'a>) -> Result<(), Sce
     };
     props.finish()?;
     let single = matches!(emitter, Emitter::Constant { .. } | Emitter::Ambient { .. });
-    let same =
-        |other: &Emitter| core::mem::discriminant(other) == core::mem::discriminant(&emitter);
+    let same = |other: &Emitter| core::mem::discriminant(other) == core::mem::discriminant(&emitter);
     if single && loader.emitters.iter().any(same) {
         return Err(node.error("a scene has only one emitter of this type"));
     }
@@ -63,11 +62,7 @@ pub(crate) fn of_shape<'a>(
     Ok(Some(EmitterId(loader.emitters.len() - 1)))
 }
 
-fn light<'a>(
-    loader: &mut Loader<'a>,
-    props: &mut Props<'a>,
-    name: &str,
-) -> Result<super::SpectrumId, SceneError> {
+fn light<'a>(loader: &mut Loader<'a>, props: &mut Props<'a>, name: &str) -> Result<super::SpectrumId, SceneError> {
     loader.spectra.property(props, name, Role::Emission, DEFAULT_LIGHT)
 }
 

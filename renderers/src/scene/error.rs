@@ -22,21 +22,9 @@ pub struct SceneError {
 
 impl SceneError {
     /// A fault at a place in a file; control characters in the texts become spaces so that the error stays one line.
-    pub(crate) fn new(
-        file: &str,
-        (line, column): (u32, u32),
-        element: &str,
-        message: impl AsRef<str>,
-    ) -> Self {
-        let clean =
-            |text: &str| text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
-        Self {
-            file: clean(file),
-            line,
-            column,
-            element: clean(element),
-            message: clean(message.as_ref()),
-        }
+    pub(crate) fn new(file: &str, (line, column): (u32, u32), element: &str, message: impl AsRef<str>) -> Self {
+        let clean = |text: &str| text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
+        Self { file: clean(file), line, column, element: clean(element), message: clean(message.as_ref()) }
     }
 }
 

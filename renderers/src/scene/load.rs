@@ -37,9 +37,7 @@ fn check_root(root: Node<'_>) -> Result<(), SceneError> {
     let parts: Option<Vec<u32>> = version.split('.').map(|part| part.parse().ok()).collect();
     match parts.as_deref() {
         Some([2 | 3, ..]) => Ok(()),
-        Some(_) => {
-            Err(root.error(format!("version {version:?} is not supported (supported: 2 and 3)")))
-        }
+        Some(_) => Err(root.error(format!("version {version:?} is not supported (supported: 2 and 3)"))),
         None => Err(root.error(format!("{version:?} is not a version, such as \"3.0.0\""))),
     }
 }
@@ -110,8 +108,7 @@ impl<'a> Loader<'a> {
     }
 
     fn finish(self, name: String, root: Node<'a>) -> Result<Scene, SceneError> {
-        let (camera, film, sampler) =
-            self.view.ok_or_else(|| root.error("the scene has no <sensor>"))?;
+        let (camera, film, sampler) = self.view.ok_or_else(|| root.error("the scene has no <sensor>"))?;
         Ok(Scene {
             name,
             integrator: self.integrator.unwrap_or(sensor::DEFAULT_INTEGRATOR),

@@ -60,7 +60,9 @@ impl Reader {
             "vt" => self.texture_count += 1,
             "f" => self.face(arguments)?,
             "o" | "g" | "s" | "usemtl" | "mtllib" => {}
-            _ => return Err("this statement is not supported (supported: v, vn, vt, f, o, g, s, usemtl, mtllib)".into()),
+            _ => {
+                return Err("this statement is not supported (supported: v, vn, vt, f, o, g, s, usemtl, mtllib)".into());
+            }
         }
         Ok(())
     }
@@ -92,9 +94,7 @@ impl Reader {
             [v, vt, vn] => (v, vt, vn),
             _ => return Err(format!("{text:?} is not a corner of a face")),
         };
-        let optional = |text: &str, count, what| {
-            (!text.is_empty()).then(|| index(text, count, what)).transpose()
-        };
+        let optional = |text: &str, count, what| (!text.is_empty()).then(|| index(text, count, what)).transpose();
         Ok((
             index(v, self.positions.len(), "vertex")?,
             optional(vt, self.texture_count, "texture coordinate")?,
@@ -103,11 +103,8 @@ impl Reader {
     }
 
     fn mesh(self, options: &MeshOptions) -> Result<Mesh, String> {
-        let positions: Vec<_> = self
-            .vertices
-            .iter()
-            .map(|&(v, _, _)| options.to_world.transform_point3(self.positions[v]))
-            .collect();
+        let positions: Vec<_> =
+            self.vertices.iter().map(|&(v, _, _)| options.to_world.transform_point3(self.positions[v])).collect();
         if !positions.iter().all(|p| p.is_finite()) {
             return Err("a vertex leaves the range of numbers".into());
         }
@@ -239,13 +236,8 @@ mod tests {
     #[test]
     fn negative_indices_count_back_and_flat_meshes_have_no_normals() {
         let text = format!("{QUAD}vn 0 0 1\nvt 0 0\nf -4/-1/-1 -3/1/1 -2//1");
-        let flat =
-            parse("m.obj", &text, &options(DAffine3::from_scale(DVec3::splat(2.0)), true, true))
-                .unwrap();
-        assert_eq!(
-            flat.positions,
-            [DVec3::ZERO, DVec3::new(2.0, 0.0, 0.0), DVec3::new(2.0, 2.0, 0.0)]
-        );
+        let flat = parse("m.obj", &text, &options(DAffine3::from_scale(DVec3::splat(2.0)), true, true)).unwrap();
+        assert_eq!(flat.positions, [DVec3::ZERO, DVec3::new(2.0, 0.0, 0.0), DVec3::new(2.0, 2.0, 0.0)]);
         assert_eq!(flat.triangles, [[0, 2, 1]]);
         assert_eq!(flat.normals, None);
     }
@@ -253,12 +245,8 @@ mod tests {
     #[test]
     fn normals_decide_the_front_and_follow_the_transform() {
         let text = format!("{QUAD}vn 1 0 2\nf 1//1 3//1 2//1");
-        let mesh = parse(
-            "m.obj",
-            &text,
-            &options(DAffine3::from_scale(DVec3::new(2.0, 1.0, 1.0)), false, false),
-        )
-        .unwrap();
+        let mesh =
+            parse("m.obj", &text, &options(DAffine3::from_scale(DVec3::new(2.0, 1.0, 1.0)), false, false)).unwrap();
         assert_eq!(mesh.triangles, [[0, 2, 1]]);
         let expected = DVec3::new(0.5, 0.0, 2.0).normalize();
         assert!((mesh.normals.unwrap()[0] - expected).length() <= 1e-15);

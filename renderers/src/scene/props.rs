@@ -57,9 +57,7 @@ impl<'a> Props<'a> {
 
     /// Takes a `<float>` or `<integer>`.
     pub(crate) fn float(&mut self, name: &str) -> Result<Option<f64>, SceneError> {
-        self.value(name, &["float", "integer"])?
-            .map(|(node, text)| parse_float(node, text))
-            .transpose()
+        self.value(name, &["float", "integer"])?.map(|(node, text)| parse_float(node, text)).transpose()
     }
 
     /// Takes a `<float>` that must satisfy a condition, described by `what` as in "must be positive".
@@ -74,24 +72,13 @@ impl<'a> Props<'a> {
             return Ok(default);
         };
         let value = parse_float(node, text)?;
-        if holds(value) {
-            Ok(value)
-        } else {
-            Err(node.error(format!("{name:?} must be {what}, not {text}")))
-        }
+        if holds(value) { Ok(value) } else { Err(node.error(format!("{name:?} must be {what}, not {text}"))) }
     }
 
     /// Takes an `<integer>` between two bounds, both included.
-    pub(crate) fn integer(
-        &mut self,
-        name: &str,
-        default: i64,
-        min: i64,
-        max: i64,
-    ) -> Result<i64, SceneError> {
+    pub(crate) fn integer(&mut self, name: &str, default: i64, min: i64, max: i64) -> Result<i64, SceneError> {
         let Some((node, text)) = self.value(name, &["integer"])? else { return Ok(default) };
-        let value = i64::from_str(text.trim())
-            .map_err(|_| node.error(format!("{text:?} is not an integer")))?;
+        let value = i64::from_str(text.trim()).map_err(|_| node.error(format!("{text:?} is not an integer")))?;
         if (min..=max).contains(&value) {
             Ok(value)
         } else {
@@ -105,9 +92,7 @@ impl<'a> Props<'a> {
             None => Ok(false),
             Some((_, text)) if text.eq_ignore_ascii_case("true") => Ok(true),
             Some((_, text)) if text.eq_ignore_ascii_case("false") => Ok(false),
-            Some((node, text)) => {
-                Err(node.error(format!("{text:?} is neither \"true\" nor \"false\"")))
-            }
+            Some((node, text)) => Err(node.error(format!("{text:?} is neither \"true\" nor \"false\""))),
         }
     }
 
@@ -117,25 +102,15 @@ impl<'a> Props<'a> {
     }
 
     /// Takes a `<string>` that must be one of a list.
-    pub(crate) fn choice(
-        &mut self,
-        name: &str,
-        options: &[&str],
-    ) -> Result<Option<&'a str>, SceneError> {
+    pub(crate) fn choice(&mut self, name: &str, options: &[&str]) -> Result<Option<&'a str>, SceneError> {
         match self.string(name)? {
-            Some((node, text)) if !options.contains(&text) => {
-                Err(unsupported(node, name, text, options))
-            }
+            Some((node, text)) if !options.contains(&text) => Err(unsupported(node, name, text, options)),
             other => Ok(other.map(|(_, text)| text)),
         }
     }
 
     /// Takes a `<point>` or `<vector>`: `value="x y z"`, or `x`, `y` and `z`.
-    pub(crate) fn vector(
-        &mut self,
-        name: &str,
-        tag: &str,
-    ) -> Result<Option<(Node<'a>, DVec3)>, SceneError> {
+    pub(crate) fn vector(&mut self, name: &str, tag: &str) -> Result<Option<(Node<'a>, DVec3)>, SceneError> {
         let Some(node) = self.take(name) else { return Ok(None) };
         expect_tag(node, name, &[tag])?;
         node.allow_attributes(&["name", "value", "x", "y", "z"])?;
@@ -165,11 +140,7 @@ impl<'a> Props<'a> {
         }))
     }
 
-    fn value(
-        &mut self,
-        name: &str,
-        tags: &[&str],
-    ) -> Result<Option<(Node<'a>, &'a str)>, SceneError> {
+    fn value(&mut self, name: &str, tags: &[&str]) -> Result<Option<(Node<'a>, &'a str)>, SceneError> {
         let Some(node) = self.take(name) else { return Ok(None) };
         expect_tag(node, name, tags)?;
         node.allow_attributes(&["name", "value"])?;
@@ -224,8 +195,7 @@ pub(crate) fn parse_vector(node: Node<'_>, missing: f64) -> Result<DVec3, SceneE
         return match parse_list(node, text)?.as_slice() {
             &[all] => Ok(DVec3::splat(all)),
             &[x, y, z] => Ok(DVec3::new(x, y, z)),
-            other => Err(node
-                .error(format!("\"value\" must hold one or three numbers, not {}", other.len()))),
+            other => Err(node.error(format!("\"value\" must hold one or three numbers, not {}", other.len()))),
         };
     }
     let component = |axis| node.attribute(axis).map_or(Ok(missing), |text| parse_float(node, text));

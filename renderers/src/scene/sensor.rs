@@ -21,16 +21,9 @@ pub(crate) fn integrator(mut props: Props<'_>) -> Result<Integrator, SceneError>
             let rr_depth = unsigned(props.integer("rr_depth", 5, 1, max)?);
             Integrator::Path { max_depth: u32::try_from(max_depth).ok(), rr_depth }
         }
-        "whitted" => {
-            Integrator::Whitted { max_depth: unsigned(props.integer("max_depth", 8, 0, max)?) }
-        }
+        "whitted" => Integrator::Whitted { max_depth: unsigned(props.integer("max_depth", 8, 0, max)?) },
         other => {
-            return Err(unsupported(
-                props.node(),
-                "integrator type",
-                other,
-                &["direct", "path", "whitted"],
-            ));
+            return Err(unsupported(props.node(), "integrator type", other, &["direct", "path", "whitted"]));
         }
     };
     props.finish()?;
@@ -66,12 +59,7 @@ fn camera(props: &mut Props<'_>) -> Result<Camera, SceneError> {
     if !(deviation <= RIGID_TOLERANCE && (scale - 1.0).abs() <= RIGID_TOLERANCE) {
         return Err(at.error("a camera can be rotated and moved, not scaled"));
     }
-    let fov = props.float_where(
-        "fov",
-        0.0,
-        |fov| fov > 0.0 && fov < 180.0,
-        "between 0 and 180 degrees",
-    )?;
+    let fov = props.float_where("fov", 0.0, |fov| fov > 0.0 && fov < 180.0, "between 0 and 180 degrees")?;
     if fov == 0.0 {
         return Err(props.node().error("missing property \"fov\""));
     }
@@ -117,12 +105,7 @@ fn filter(mut props: Props<'_>) -> Result<Filter, SceneError> {
         "tent" => Filter::Tent { radius: props.float_where("radius", 1.0, sane, what)? },
         "gaussian" => Filter::Gaussian { stddev: props.float_where("stddev", 0.5, sane, what)? },
         other => {
-            return Err(unsupported(
-                props.node(),
-                "rfilter type",
-                other,
-                &["box", "tent", "gaussian"],
-            ));
+            return Err(unsupported(props.node(), "rfilter type", other, &["box", "tent", "gaussian"]));
         }
     };
     props.finish()?;
@@ -130,8 +113,7 @@ fn filter(mut props: Props<'_>) -> Result<Filter, SceneError> {
 }
 
 fn sampler(mut props: Props<'_>) -> Result<Sampler, SceneError> {
-    const TYPES: [&str; 5] =
-        ["independent", "stratified", "multijitter", "orthogonal", "ldsampler"];
+    const TYPES: [&str; 5] = ["independent", "stratified", "multijitter", "orthogonal", "ldsampler"];
     if !TYPES.contains(&props.kind()) {
         return Err(unsupported(props.node(), "sampler type", props.kind(), &TYPES));
     }

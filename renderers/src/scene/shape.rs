@@ -47,9 +47,7 @@ fn geometry<'a>(loader: &Loader<'a>, props: &mut Props<'a>) -> Result<Geometry, 
 /// The unit normal of the plane z = 0, its front on the +z side before the transform.
 fn plane_normal(at: Node<'_>, to_world: &DAffine3, flip: bool) -> Result<DVec3, SceneError> {
     let normal = to_world.matrix3.inverse().transpose() * DVec3::Z;
-    let unit = normal
-        .try_normalize()
-        .ok_or_else(|| at.error("the transform leaves the range of numbers"))?;
+    let unit = normal.try_normalize().ok_or_else(|| at.error("the transform leaves the range of numbers"))?;
     Ok(if flip { -unit } else { unit })
 }
 
@@ -59,12 +57,7 @@ fn rectangle(at: Node<'_>, to_world: &DAffine3, flip: bool) -> Result<Geometry, 
     if !square {
         return Err(at.error("the transform shears the rectangle: use a mesh"));
     }
-    Ok(Geometry::Rectangle {
-        center: to_world.translation,
-        half_u,
-        half_v,
-        normal: plane_normal(at, to_world, flip)?,
-    })
+    Ok(Geometry::Rectangle { center: to_world.translation, half_u, half_v, normal: plane_normal(at, to_world, flip)? })
 }
 
 fn disk(at: Node<'_>, to_world: &DAffine3, flip: bool) -> Result<Geometry, SceneError> {
@@ -74,19 +67,10 @@ fn disk(at: Node<'_>, to_world: &DAffine3, flip: bool) -> Result<Geometry, Scene
     if !(round && u.dot(v).abs() <= ANGLE_TOLERANCE * length * other) {
         return Err(at.error("the transform makes the disk an ellipse: scale its x and y alike"));
     }
-    Ok(Geometry::Disk {
-        center: to_world.translation,
-        radius: length,
-        normal: plane_normal(at, to_world, flip)?,
-    })
+    Ok(Geometry::Disk { center: to_world.translation, radius: length, normal: plane_normal(at, to_world, flip)? })
 }
 
-fn sphere(
-    props: &mut Props<'_>,
-    at: Node<'_>,
-    to_world: &DAffine3,
-    flip: bool,
-) -> Result<Geometry, SceneError> {
+fn sphere(props: &mut Props<'_>, at: Node<'_>, to_world: &DAffine3, flip: bool) -> Result<Geometry, SceneError> {
     let center = props.vector("center", "point")?.map_or(DVec3::ZERO, |(_, center)| center);
     let radius = props.float_where("radius", 1.0, |r| r > 0.0, "positive")?;
     let (deviation, scale) = similarity(to_world);
@@ -96,18 +80,13 @@ fn sphere(
     }
     // Mitsuba turns a sphere inside out by mirroring it, though not the other shapes.
     let inward = flip != (to_world.matrix3.determinant() < 0.0);
-    Ok(Geometry::Sphere {
-        center: to_world.transform_point3(center),
-        radius: radius * scale,
-        inward,
-    })
+    Ok(Geometry::Sphere { center: to_world.transform_point3(center), radius: radius * scale, inward })
 }
 
 /// The cube from (−1, −1, −1) to (1, 1, 1), flat shaded, its front outside.
 fn cube(to_world: &DAffine3, flip: bool) -> Mesh {
     // Corner i has x, y, z from bits 0, 1, 2; every face anticlockwise from outside.
-    const FACES: [[u32; 4]; 6] =
-        [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
+    const FACES: [[u32; 4]; 6] = [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
     let sign = |i: u32, bit: u32| if i >> bit & 1 == 1 { 1.0 } else { -1.0 };
     let corner = |i| to_world.transform_point3(DVec3::new(sign(i, 0), sign(i, 1), sign(i, 2)));
     let triangles = FACES.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
@@ -130,6 +109,5 @@ fn mesh<'a>(
     };
     let face_normals = props.boolean("face_normals")?;
     let (file, text) = loader.source.read_asset(name).map_err(|message| node.error(message))?;
-    obj::parse(&file, &text, &MeshOptions { to_world, face_normals, flip_normals })
-        .map(Geometry::Mesh)
+    obj::parse(&file, &text, &MeshOptions { to_world, face_normals, flip_normals }).map(Geometry::Mesh)
 }

@@ -54,9 +54,7 @@ impl Source {
     /// The scene file's name without folder and extension.
     pub(crate) fn stem(&self) -> String {
         let name = self.file_name();
-        Path::new(&name)
-            .file_stem()
-            .map_or_else(|| name.clone(), |stem| stem.to_string_lossy().into_owned())
+        Path::new(&name).file_stem().map_or_else(|| name.clone(), |stem| stem.to_string_lossy().into_owned())
     }
 
     /// The XML text.
@@ -66,8 +64,7 @@ impl Source {
             Self::Disk(path) => path,
         };
         let refuse = |message: String| SceneError::new(&self.file_name(), (0, 0), "", message);
-        let bytes =
-            std::fs::read(path).map_err(|e| refuse(format!("cannot read the scene: {e}")))?;
+        let bytes = std::fs::read(path).map_err(|e| refuse(format!("cannot read the scene: {e}")))?;
         String::from_utf8(bytes).map_err(|_| refuse("the scene is not UTF-8 text".into()))
     }
 
@@ -78,15 +75,14 @@ impl Source {
         match self {
             Self::Disk(scene) => {
                 let path = scene.parent().unwrap_or_else(|| Path::new("")).join(name);
-                let bytes =
-                    std::fs::read(&path).map_err(|e| format!("cannot read {name:?}: {e}"))?;
+                let bytes = std::fs::read(&path).map_err(|e| format!("cannot read {name:?}: {e}"))?;
                 Ok((path.display().to_string(), String::from_utf8_lossy(&bytes).into_owned()))
             }
-            Self::Memory { assets, .. } => {
-                assets.iter().find(|(asset, _)| asset == name).cloned().ok_or_else(|| {
-                    format!("cannot read {name:?}: no such file beside this built-in scene")
-                })
-            }
+            Self::Memory { assets, .. } => assets
+                .iter()
+                .find(|(asset, _)| asset == name)
+                .cloned()
+                .ok_or_else(|| format!("cannot read {name:?}: no such file beside this built-in scene")),
         }
     }
 }

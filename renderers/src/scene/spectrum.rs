@@ -101,9 +101,7 @@ impl<'a> Spectra<'a> {
             "ref" => {
                 let target = self.ids.resolve(node)?;
                 if target.tag() != "spectrum" {
-                    return Err(
-                        node.error(format!("refers to a <{}>, not to a spectrum", target.tag()))
-                    );
+                    return Err(node.error(format!("refers to a <{}>, not to a spectrum", target.tag())));
                 }
                 declared(target, role)
             }
@@ -117,23 +115,19 @@ impl<'a> Spectra<'a> {
         node.allow_attributes(&["name", "value", "filename"])?;
         node.no_children()?;
         match (node.attribute("value"), node.attribute("filename")) {
-            (Some(text), None) if !text.contains(':') => {
-                Ok(SpectrumKind::Constant(parse_float(node, text)?))
-            }
+            (Some(text), None) if !text.contains(':') => Ok(SpectrumKind::Constant(parse_float(node, text)?)),
             (Some(text), None) => {
                 let mut pairs = Vec::new();
                 for token in tokens(text) {
                     let pair = token.split_once(':');
-                    let (wavelength, value) = pair.ok_or_else(|| {
-                        node.error(format!("{token:?} is not a pair \"wavelength:value\""))
-                    })?;
+                    let (wavelength, value) =
+                        pair.ok_or_else(|| node.error(format!("{token:?} is not a pair \"wavelength:value\"")))?;
                     pairs.push((parse_float(node, wavelength)?, parse_float(node, value)?));
                 }
                 table(pairs).map_err(|(_, message)| node.error(message))
             }
             (None, Some(name)) => {
-                let (file, text) =
-                    self.source.read_asset(name).map_err(|message| node.error(message))?;
+                let (file, text) = self.source.read_asset(name).map_err(|message| node.error(message))?;
                 parse_file(&file, &text)
             }
             _ => Err(node.error("needs \"value\" or \"filename\", or a \"type\"; one of them")),
@@ -174,10 +168,7 @@ pub fn parse_file(file: &str, text: &str) -> Result<SpectrumKind, SceneError> {
                 lines.push(line);
             }
             other => {
-                return Err(fail(
-                    line,
-                    format!("expected a wavelength and a value, found {} columns", other.len()),
-                ));
+                return Err(fail(line, format!("expected a wavelength and a value, found {} columns", other.len())));
             }
         }
         heading_allowed = false;
@@ -187,18 +178,13 @@ pub fn parse_file(file: &str, text: &str) -> Result<SpectrumKind, SceneError> {
 }
 
 fn is_word(text: &str) -> bool {
-    parse_finite(text).is_err()
-        && text.starts_with(char::is_alphabetic)
-        && !text.eq_ignore_ascii_case("nan")
+    parse_finite(text).is_err() && text.starts_with(char::is_alphabetic) && !text.eq_ignore_ascii_case("nan")
 }
 
 /// Checks the nodes of a table, all finite numbers; the error carries the index of the node at fault.
 fn table(pairs: Vec<(f64, f64)>) -> Result<SpectrumKind, (usize, String)> {
     if pairs.len() < 2 {
-        return Err((
-            pairs.len(),
-            format!("a spectrum needs at least two wavelengths, not {}", pairs.len()),
-        ));
+        return Err((pairs.len(), format!("a spectrum needs at least two wavelengths, not {}", pairs.len())));
     }
     let mut before = 0.0;
     for (i, &(wavelength, value)) in pairs.iter().enumerate() {
@@ -231,12 +217,9 @@ fn declared(node: Node<'_>, role: Role) -> Result<SpectrumKind, SceneError> {
         "regular" => regular(&mut props)?,
         "irregular" => irregular(&mut props)?,
         "d65" | "blackbody" if role != Role::Emission => {
-            return Err(node
-                .error(format!("a {:?} spectrum is light, and can't be used here", props.kind())));
+            return Err(node.error(format!("a {:?} spectrum is light, and can't be used here", props.kind())));
         }
-        "d65" => SpectrumKind::D65 {
-            scale: props.float_where("scale", 1.0, |v| v >= 0.0, "not negative")?,
-        },
+        "d65" => SpectrumKind::D65 { scale: props.float_where("scale", 1.0, |v| v >= 0.0, "not negative")? },
         "blackbody" => blackbody(&mut props)?,
         other => return Err(unsupported(node, "spectrum type", other, &TYPES)),
     };
@@ -259,13 +242,10 @@ fn regular(props: &mut Props<'_>) -> Result<SpectrumKind, SceneError> {
     let max = props.float("wavelength_max")?.ok_or_else(|| required(props, "wavelength_max"))?;
     let count = values.len();
     let last = u32::try_from(count.saturating_sub(1)).unwrap_or(u32::MAX);
-    let at =
-        |i: u32| if i == last { max } else { min + (max - min) * f64::from(i) / f64::from(last) };
+    let at = |i: u32| if i == last { max } else { min + (max - min) * f64::from(i) / f64::from(last) };
     let pairs = (0..).zip(values).map(|(i, value)| (at(i), value)).collect();
     if min >= max {
-        return Err(props
-            .node()
-            .error(format!("\"wavelength_max\" {max} must be above \"wavelength_min\" {min}")));
+        return Err(props.node().error(format!("\"wavelength_max\" {max} must be above \"wavelength_min\" {min}")));
     }
     table(pairs).map_err(|(_, message)| node.error(message))
 }
@@ -274,11 +254,7 @@ fn irregular(props: &mut Props<'_>) -> Result<SpectrumKind, SceneError> {
     let (node, wavelengths) = list(props, "wavelengths")?;
     let (_, values) = list(props, "values")?;
     if wavelengths.len() != values.len() {
-        return Err(node.error(format!(
-            "{} wavelengths but {} values",
-            wavelengths.len(),
-            values.len()
-        )));
+        return Err(node.error(format!("{} wavelengths but {} values", wavelengths.len(), values.len())));
     }
     table(wavelengths.into_iter().zip(values).collect()).map_err(|(_, message)| node.error(message))
 }
@@ -291,12 +267,8 @@ fn blackbody(props: &mut Props<'_>) -> Result<SpectrumKind, SceneError> {
     }
     let scale = props.float_where("scale", 1.0, |v| v >= 0.0, "not negative")?;
     let wavelength_min = props.float_where("wavelength_min", RANGE.0, positive, "positive")?;
-    let wavelength_max = props.float_where(
-        "wavelength_max",
-        RANGE.1,
-        |v| v > wavelength_min,
-        "above wavelength_min",
-    )?;
+    let wavelength_max =
+        props.float_where("wavelength_max", RANGE.1, |v| v > wavelength_min, "above wavelength_min")?;
     if wavelength_min >= wavelength_max {
         return Err(props.node().error("\"wavelength_max\" must be above \"wavelength_min\""));
     }
@@ -304,11 +276,7 @@ fn blackbody(props: &mut Props<'_>) -> Result<SpectrumKind, SceneError> {
 }
 
 fn bare_number(value: f64, role: Role) -> SpectrumKind {
-    if role == Role::Emission {
-        SpectrumKind::D65 { scale: value }
-    } else {
-        SpectrumKind::Constant(value)
-    }
+    if role == Role::Emission { SpectrumKind::D65 { scale: value } } else { SpectrumKind::Constant(value) }
 }
 
 /// `<rgb>`: only greys, which mean the same spectrum to everyone.
@@ -336,8 +304,7 @@ fn check(node: Node<'_>, name: &str, kind: &SpectrumKind, role: Role) -> Result<
     if role == Role::Index && low <= 0.0 {
         return Err(node.error(format!("{name:?} must be positive")));
     }
-    if let (Role::Index | Role::Extinction, SpectrumKind::Table { wavelengths, .. }) = (role, kind)
-    {
+    if let (Role::Index | Role::Extinction, SpectrumKind::Table { wavelengths, .. }) = (role, kind) {
         let ends = (wavelengths.first().copied(), wavelengths.last().copied());
         if !(ends.0 <= Some(VISIBLE.0) && ends.1 >= Some(VISIBLE.1)) {
             let message = format!("{name:?} must be given from {} to {} nm", VISIBLE.0, VISIBLE.1);
@@ -352,11 +319,9 @@ fn extremes(kind: &SpectrumKind) -> (f64, f64) {
     match kind {
         SpectrumKind::Constant(value) => (*value, *value),
         SpectrumKind::D65 { scale } | SpectrumKind::Blackbody { scale, .. } => (*scale, *scale),
-        SpectrumKind::Table { values, .. } => {
-            values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &value| {
-                (low.min(value), high.max(value))
-            })
-        }
+        SpectrumKind::Table { values, .. } => values
+            .iter()
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &value| (low.min(value), high.max(value))),
     }
 }
 
@@ -370,9 +335,9 @@ fn fingerprint(kind: &SpectrumKind) -> Vec<u64> {
         SpectrumKind::Blackbody { temperature, scale, wavelength_min, wavelength_max } => {
             vec![2, bits(*temperature), bits(*scale), bits(*wavelength_min), bits(*wavelength_max)]
         }
-        SpectrumKind::Table { wavelengths, values } => core::iter::once(3)
-            .chain(wavelengths.iter().chain(values).map(|&value| bits(value)))
-            .collect(),
+        SpectrumKind::Table { wavelengths, values } => {
+            core::iter::once(3).chain(wavelengths.iter().chain(values).map(|&value| bits(value))).collect()
+        }
     }
 }
 
@@ -382,13 +347,8 @@ mod tests {
 
     #[test]
     fn files_may_have_comments_commas_and_a_heading() {
-        let expected =
-            SpectrumKind::Table { wavelengths: vec![400.0, 500.5], values: vec![0.0, 2.0] };
-        for text in [
-            "400 0\n500.5\t2\n",
-            "# c\n\n400,0 # here\r\n500.5, 2",
-            "wavelength_nm,value\n400,0\n500.5,2",
-        ] {
+        let expected = SpectrumKind::Table { wavelengths: vec![400.0, 500.5], values: vec![0.0, 2.0] };
+        for text in ["400 0\n500.5\t2\n", "# c\n\n400,0 # here\r\n500.5, 2", "wavelength_nm,value\n400,0\n500.5,2"] {
             assert_eq!(parse_file("a.spd", text).unwrap(), expected, "{text:?}");
         }
     }

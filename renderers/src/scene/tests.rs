@@ -25,13 +25,8 @@ fn what_a_scene_leaves_out_is_as_in_mitsuba() {
     let film = Film { width: 768, height: 576, filter: Filter::Gaussian { stddev: 0.5 } };
     assert_eq!((scene.film, scene.sampler), (film, Sampler { sample_count: 4, seed: 0 }));
     assert_eq!((scene.camera.near_clip, scene.camera.far_clip), (1e-2, 1e4));
-    assert_eq!(
-        scene.shapes[0].geometry,
-        Geometry::Sphere { center: DVec3::ZERO, radius: 1.0, inward: false }
-    );
-    let BsdfKind::Diffuse { reflectance } = scene.bsdf(scene.shapes[0].bsdf).kind else {
-        unreachable!()
-    };
+    assert_eq!(scene.shapes[0].geometry, Geometry::Sphere { center: DVec3::ZERO, radius: 1.0, inward: false });
+    let BsdfKind::Diffuse { reflectance } = scene.bsdf(scene.shapes[0].bsdf).kind else { unreachable!() };
     assert_eq!(scene.spectrum(reflectance).kind, SpectrumKind::Constant(0.5));
     let Emitter::Area { shape: ShapeId(0), radiance } = scene.emitters[0] else { unreachable!() };
     assert_eq!(scene.shapes[0].emitter, Some(EmitterId(0)));
@@ -41,17 +36,9 @@ fn what_a_scene_leaves_out_is_as_in_mitsuba() {
 #[test]
 fn default_conductors_are_mirrors_and_default_dielectrics_bk7_in_air() {
     let scene = read("<bsdf type='conductor'/><bsdf type='dielectric'/><bsdf type='schlick'/>");
-    assert!(matches!(
-        scene.bsdfs[0].kind,
-        BsdfKind::Conductor { fresnel: ConductorFresnel::Perfect, .. }
-    ));
-    let BsdfKind::Dielectric { int_ior, ext_ior, absorption, .. } = &scene.bsdfs[1].kind else {
-        unreachable!()
-    };
-    assert_eq!(
-        (int_ior, ext_ior, absorption),
-        (&Ior::Constant(1.5046), &Ior::Constant(1.000_277), &None)
-    );
+    assert!(matches!(scene.bsdfs[0].kind, BsdfKind::Conductor { fresnel: ConductorFresnel::Perfect, .. }));
+    let BsdfKind::Dielectric { int_ior, ext_ior, absorption, .. } = &scene.bsdfs[1].kind else { unreachable!() };
+    assert_eq!((int_ior, ext_ior, absorption), (&Ior::Constant(1.5046), &Ior::Constant(1.000_277), &None));
     assert!(matches!(scene.bsdfs[2].kind, BsdfKind::Schlick { roughness: 1.0, isotropy: 1.0, .. }));
 }
 
@@ -82,9 +69,7 @@ fn references_point_forward_and_back_to_one_material() {
     assert_eq!(scene.bsdfs.len(), 3);
     let paint = scene.shapes[0].bsdf;
     assert_eq!(scene.shapes[1].bsdf, paint);
-    let BsdfKind::TwoSided { front, back } = scene.bsdf(scene.shapes[2].bsdf).kind else {
-        unreachable!()
-    };
+    let BsdfKind::TwoSided { front, back } = scene.bsdf(scene.shapes[2].bsdf).kind else { unreachable!() };
     assert!(front == paint && back != paint);
     let BsdfKind::Diffuse { reflectance } = scene.bsdf(paint).kind else { unreachable!() };
     assert_eq!(scene.spectrum(reflectance).kind, SpectrumKind::Constant(0.25));
@@ -119,19 +104,12 @@ fn bare_numbers_of_lights_are_multiples_of_d65_and_spectra_are_not() {
          <emitter type='directional'><spectrum name='irradiance' type='blackbody'>
            <float name='temperature' value='3000'/></spectrum></emitter>",
     );
-    let planck = SpectrumKind::Blackbody {
-        temperature: 3000.0,
-        scale: 1.0,
-        wavelength_min: 360.0,
-        wavelength_max: 830.0,
-    };
+    let planck =
+        SpectrumKind::Blackbody { temperature: 3000.0, scale: 1.0, wavelength_min: 360.0, wavelength_max: 830.0 };
     let kinds: Vec<_> = scene.spectra.iter().map(|spectrum| spectrum.kind.clone()).collect();
     assert_eq!(kinds, [SpectrumKind::D65 { scale: 2.0 }, SpectrumKind::Constant(2.0), planck]);
     let first = SpectrumId(0);
-    assert_eq!(
-        scene.emitters[..2],
-        [Emitter::Constant { radiance: first }, Emitter::Ambient { radiance: first }]
-    );
+    assert_eq!(scene.emitters[..2], [Emitter::Constant { radiance: first }, Emitter::Ambient { radiance: first }]);
 }
 
 #[test]
@@ -166,8 +144,7 @@ fn flat_shapes_keep_their_front_under_mirroring_and_lose_it_by_flipping() {
          <shape type='disk'><transform name='to_world'><scale value='2'/><rotate y='1' angle='90'/></transform></shape>"
     ));
     for (shape, front) in [(0, DVec3::Z), (1, DVec3::NEG_Z)] {
-        let Geometry::Rectangle { center, half_u, half_v, normal } = scene.shapes[shape].geometry
-        else {
+        let Geometry::Rectangle { center, half_u, half_v, normal } = scene.shapes[shape].geometry else {
             unreachable!()
         };
         assert_near(center, DVec3::Z);
@@ -176,9 +153,7 @@ fn flat_shapes_keep_their_front_under_mirroring_and_lose_it_by_flipping() {
         assert_near(normal, front);
         assert!((scene.shapes[shape].geometry.area() - 24.0).abs() <= 1e-12);
     }
-    let Geometry::Disk { center, radius, normal } = scene.shapes[2].geometry else {
-        unreachable!()
-    };
+    let Geometry::Disk { center, radius, normal } = scene.shapes[2].geometry else { unreachable!() };
     assert_near(center, DVec3::ZERO);
     assert_near(normal, DVec3::X);
     assert!((radius - 2.0).abs() <= 1e-15);
@@ -192,9 +167,7 @@ fn spheres_move_and_grow_with_their_transform_and_mirroring_turns_them_inside_ou
              <transform name='to_world'><rotate z='1' angle='90'/><scale value='{scale}'/><translate y='1'/></transform>
              <boolean name='flip_normals' value='{flip}'/></shape>"
         ));
-        let Geometry::Sphere { center, radius, inward } = scene.shapes[0].geometry else {
-            unreachable!()
-        };
+        let Geometry::Sphere { center, radius, inward } = scene.shapes[0].geometry else { unreachable!() };
         assert!((radius - 6.0).abs() <= 1e-14);
         (center, inward)
     };
@@ -212,9 +185,7 @@ fn signed_volume(geometry: &Geometry) -> f64 {
 
 #[test]
 fn cubes_are_closed_and_face_outward_even_mirrored() {
-    let cube = |inside: &str| {
-        read(&format!("<shape type='cube'>{inside}</shape>")).shapes.remove(0).geometry
-    };
+    let cube = |inside: &str| read(&format!("<shape type='cube'>{inside}</shape>")).shapes.remove(0).geometry;
     let plain = cube("");
     assert!((signed_volume(&plain) - 48.0).abs() <= 1e-12 && (plain.area() - 24.0).abs() <= 1e-12);
     let Geometry::Mesh(mesh) = &plain else { unreachable!() };
@@ -224,9 +195,7 @@ fn cubes_are_closed_and_face_outward_even_mirrored() {
     }
     let mirrored = "<transform name='to_world'><scale x='-1'/></transform>";
     assert!((signed_volume(&cube(mirrored)) - 48.0).abs() <= 1e-12);
-    assert!(
-        (signed_volume(&cube("<boolean name='flip_normals' value='true'/>")) + 48.0).abs() <= 1e-12
-    );
+    assert!((signed_volume(&cube("<boolean name='flip_normals' value='true'/>")) + 48.0).abs() <= 1e-12);
 }
 
 #[test]
@@ -236,13 +205,10 @@ fn the_field_of_view_spans_the_axis_it_names() {
             "<scene version='3.0.0'><sensor type='perspective'><float name='fov' value='90'/>
              <string name='fov_axis' value='{axis}'/></sensor></scene>"
         );
-        let scene = load(&Source::text("s.xml", sensor), &[])
-            .unwrap_or_else(|error| unreachable!("{error}"));
+        let scene = load(&Source::text("s.xml", sensor), &[]).unwrap_or_else(|error| unreachable!("{error}"));
         scene.camera.half_width(width, height)
     };
-    for (axis, wide, tall) in
-        [("x", 1.0, 1.0), ("y", 2.0, 0.5), ("smaller", 2.0, 1.0), ("larger", 1.0, 0.5)]
-    {
+    for (axis, wide, tall) in [("x", 1.0, 1.0), ("y", 2.0, 0.5), ("smaller", 2.0, 1.0), ("larger", 1.0, 0.5)] {
         assert!((half_width(axis, 200, 100) - wide).abs() <= 1e-12, "{axis}");
         assert!((half_width(axis, 100, 200) - tall).abs() <= 1e-12, "{axis}");
     }

@@ -39,9 +39,7 @@ fn step(node: Node<'_>) -> Result<DAffine3, SceneError> {
 
 fn rotate(node: Node<'_>) -> Result<DAffine3, SceneError> {
     node.allow_attributes(&["x", "y", "z", "value", "angle"])?;
-    let axis = parse_vector(node, 0.0)?
-        .try_normalize()
-        .ok_or_else(|| node.error("the rotation axis is zero"))?;
+    let axis = parse_vector(node, 0.0)?.try_normalize().ok_or_else(|| node.error("the rotation axis is zero"))?;
     let degrees = parse_float(node, node.require("angle")?)?;
     Ok(DAffine3::from_axis_angle(axis, degrees.to_radians()))
 }
@@ -54,19 +52,15 @@ fn lookat(node: Node<'_>) -> Result<DAffine3, SceneError> {
         other => Err(node.error(format!("{name:?} must hold three numbers, not {}", other.len()))),
     };
     let (origin, target, up) = (vector("origin")?, vector("target")?, vector("up")?);
-    let forward = (target - origin)
-        .try_normalize()
-        .ok_or_else(|| node.error("\"origin\" and \"target\" are the same point"))?;
+    let forward =
+        (target - origin).try_normalize().ok_or_else(|| node.error("\"origin\" and \"target\" are the same point"))?;
     let left = up.normalize_or_zero().cross(forward);
     let defined = left.length() > 1e-9;
     if !defined {
         return Err(node.error("\"up\" is zero or along the line of sight"));
     }
     let left = left.normalize();
-    Ok(DAffine3 {
-        matrix3: DMat3::from_cols(left, forward.cross(left), forward),
-        translation: origin,
-    })
+    Ok(DAffine3 { matrix3: DMat3::from_cols(left, forward.cross(left), forward), translation: origin })
 }
 
 fn matrix(node: Node<'_>) -> Result<DAffine3, SceneError> {
@@ -74,9 +68,7 @@ fn matrix(node: Node<'_>) -> Result<DAffine3, SceneError> {
     let values = parse_list(node, node.require("value")?)?;
     let (linear, translation) = match values.as_slice() {
         &[a, b, c, d, e, f, g, h, i] => ([a, b, c, d, e, f, g, h, i], DVec3::ZERO),
-        &[a, b, c, x, d, e, f, y, g, h, i, z, 0.0, 0.0, 0.0, 1.0] => {
-            ([a, b, c, d, e, f, g, h, i], DVec3::new(x, y, z))
-        }
+        &[a, b, c, x, d, e, f, y, g, h, i, z, 0.0, 0.0, 0.0, 1.0] => ([a, b, c, d, e, f, g, h, i], DVec3::new(x, y, z)),
         other if other.len() == 16 => {
             return Err(node.error("the last row of the matrix must be 0 0 0 1"));
         }
@@ -120,11 +112,7 @@ mod tests {
     }
 
     fn try_map(body: &str) -> Result<DAffine3, SceneError> {
-        let document = Document::parse(
-            "t.xml",
-            &format!("<transform name=\"to_world\">{body}</transform>"),
-            &[],
-        )?;
+        let document = Document::parse("t.xml", &format!("<transform name=\"to_world\">{body}</transform>"), &[])?;
         parse(document.root())
     }
 
@@ -163,10 +151,7 @@ mod tests {
     fn matrices_are_row_by_row() {
         let there = map(r#"<matrix value="1 2 0 4  0 1 0 5  0 0 1 6  0 0 0 1"/>"#);
         assert_near(there.transform_point3(DVec3::Y), DVec3::new(6.0, 6.0, 6.0));
-        assert_near(
-            map(r#"<matrix value="0 1 0 1 0 0 0 0 1"/>"#).transform_point3(DVec3::X),
-            DVec3::Y,
-        );
+        assert_near(map(r#"<matrix value="0 1 0 1 0 0 0 0 1"/>"#).transform_point3(DVec3::X), DVec3::Y);
     }
 
     #[test]
@@ -187,8 +172,7 @@ mod tests {
 
     #[test]
     fn similarity_tells_uniform_scale() {
-        let (off, scale) =
-            similarity(&map(r#"<rotate value="1 2 3" angle="40"/><scale value="-3"/>"#));
+        let (off, scale) = similarity(&map(r#"<rotate value="1 2 3" angle="40"/><scale value="-3"/>"#));
         assert!(off <= 1e-14 && (scale - 3.0).abs() <= 1e-14);
         assert!(similarity(&map(r#"<scale z="1.001"/>"#)).0 > 1e-4);
     }

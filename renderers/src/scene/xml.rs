@@ -38,11 +38,7 @@ impl<'a> Node<'a> {
     }
 
     pub(crate) fn attribute(self, name: &str) -> Option<&'a str> {
-        self.element()
-            .attributes
-            .iter()
-            .find(|(key, _)| key == name)
-            .map(|(_, value)| value.as_str())
+        self.element().attributes.iter().find(|(key, _)| key == name).map(|(_, value)| value.as_str())
     }
 
     /// The value of an attribute that must be there.
@@ -83,11 +79,7 @@ impl<'a> Node<'a> {
 
 impl Document {
     /// Parses a text; `parameters` replace `$name` in attributes and win over `<default>`s of the same name.
-    pub(crate) fn parse(
-        file: &str,
-        text: &str,
-        parameters: &[(String, String)],
-    ) -> Result<Self, SceneError> {
+    pub(crate) fn parse(file: &str, text: &str, parameters: &[(String, String)]) -> Result<Self, SceneError> {
         let tree = roxmltree::Document::parse(text).map_err(|e| malformed(file, text, &e))?;
         let mut builder = Builder::new(file, text, parameters);
         for node in tree.descendants() {
@@ -109,9 +101,7 @@ fn malformed(file: &str, text: &str, error: &roxmltree::Error) -> SceneError {
     use roxmltree::Error;
     let last_line = u32::try_from(text.lines().count().max(1)).unwrap_or(u32::MAX);
     let place = match error {
-        Error::UnclosedRootNode | Error::UnexpectedEndOfStream | Error::NoRootNode => {
-            (last_line, 0)
-        }
+        Error::UnclosedRootNode | Error::UnexpectedEndOfStream | Error::NoRootNode => (last_line, 0),
         _ => (error.pos().row, error.pos().col),
     };
     SceneError::new(file, place, "", format!("malformed XML: {error}"))
@@ -144,8 +134,7 @@ impl<'t> Builder<'t> {
         }
         let position = self.lines.position(node.range().start);
         let file = self.document.file.clone();
-        let fail =
-            |message: String| SceneError::new(&file, position, node.tag_name().name(), message);
+        let fail = |message: String| SceneError::new(&file, position, node.tag_name().name(), message);
         if node.tag_name().namespace().is_some() {
             return Err(fail("XML namespaces are not supported".into()));
         }
@@ -155,20 +144,13 @@ impl<'t> Builder<'t> {
             attributes.push((attribute.name().to_owned(), value));
         }
         let index = self.document.elements.len();
-        let element = Element {
-            tag: node.tag_name().name().to_owned(),
-            attributes,
-            children: Vec::new(),
-            position,
-        };
+        let element = Element { tag: node.tag_name().name().to_owned(), attributes, children: Vec::new(), position };
         self.document.elements.push(element);
         self.indices.insert(node.id(), index);
         if node.tag_name().name() == "default" {
             return self.define_default(index);
         }
-        if let Some(parent) =
-            node.parent_element().and_then(|parent| self.indices.get(&parent.id()))
-        {
+        if let Some(parent) = node.parent_element().and_then(|parent| self.indices.get(&parent.id())) {
             self.document.elements[*parent].children.push(index);
         }
         Ok(())
@@ -181,9 +163,7 @@ impl<'t> Builder<'t> {
         let (name, value) = (node.require("name")?, node.require("value")?);
         let is_word = |c: char| c.is_ascii_alphanumeric() || c == '_';
         if name.is_empty() || !name.chars().all(is_word) {
-            return Err(
-                node.error(format!("{name:?} is not a parameter name: letters, digits and _ only"))
-            );
+            return Err(node.error(format!("{name:?} is not a parameter name: letters, digits and _ only")));
         }
         self.parameters.define(name, value);
         Ok(())
@@ -194,12 +174,7 @@ impl<'t> Builder<'t> {
         let Some(offset) = text.find(|c: char| !c.is_whitespace()) else { return Ok(()) };
         let position = self.lines.position(node.range().start + offset);
         let tag = node.parent_element().map_or("", |parent| parent.tag_name().name());
-        Err(SceneError::new(
-            &self.document.file,
-            position,
-            tag,
-            "text between elements is not expected",
-        ))
+        Err(SceneError::new(&self.document.file, position, tag, "text between elements is not expected"))
     }
 
     fn finish(self) -> Result<Document, SceneError> {
@@ -224,8 +199,7 @@ struct Lines<'t> {
 
 impl<'t> Lines<'t> {
     fn new(text: &'t str) -> Self {
-        let starts =
-            core::iter::once(0).chain(text.match_indices('\n').map(|(i, _)| i + 1)).collect();
+        let starts = core::iter::once(0).chain(text.match_indices('\n').map(|(i, _)| i + 1)).collect();
         Self { text, starts }
     }
 
@@ -250,11 +224,7 @@ impl Parameters {
     fn new(given: &[(String, String)]) -> Self {
         let mut parameters: Vec<_> = given
             .iter()
-            .map(|(name, value)| Parameter {
-                name: name.clone(),
-                value: value.clone(),
-                used: false,
-            })
+            .map(|(name, value)| Parameter { name: name.clone(), value: value.clone(), used: false })
             .collect();
         parameters.sort_by_key(|parameter| core::cmp::Reverse(parameter.name.len()));
         Self(parameters)
@@ -283,11 +253,8 @@ impl Parameters {
                 continue;
             }
             out.push_str(before);
-            let Some(found) =
-                self.0.iter_mut().find(|p| !p.name.is_empty() && after.starts_with(&p.name))
-            else {
-                let end =
-                    after.find(|c: char| !(c.is_alphanumeric() || c == '_')).unwrap_or(after.len());
+            let Some(found) = self.0.iter_mut().find(|p| !p.name.is_empty() && after.starts_with(&p.name)) else {
+                let end = after.find(|c: char| !(c.is_alphanumeric() || c == '_')).unwrap_or(after.len());
                 return Err(format!("undefined parameter \"${}\"", &after[..end]));
             };
             found.used = true;
@@ -326,8 +293,7 @@ mod tests {
 
     #[test]
     fn undefined_late_and_unused_parameters_are_refused() {
-        let late =
-            parse("<s>\n<f v=\"$a\"/><default name=\"a\" value=\"1\"/></s>", &[]).err().unwrap();
+        let late = parse("<s>\n<f v=\"$a\"/><default name=\"a\" value=\"1\"/></s>", &[]).err().unwrap();
         assert_eq!((late.line, late.element.as_str()), (2, "f"));
         assert!(late.message.contains("$a"));
         let unused = parse("<s/>", &[("spp", "4")]).err().unwrap();

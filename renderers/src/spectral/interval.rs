@@ -10,10 +10,7 @@ use spectral_core::expression::{Op, Order, Program, Sources};
 use spectral_core::interval::{BuildError, Domain, Interval, Node, Pyramid, Weight, node_count};
 use spectral_core::subdivision::{Stage, Subdivision};
 
-use super::{
-    Colour, Deferred, Monomial, Monomials, Palette, Radiance, Resolver, Tracer, Y_INTEGRAL,
-    normalised,
-};
+use super::{Colour, Deferred, Monomial, Monomials, Palette, Radiance, Resolver, Tracer, Y_INTEGRAL, normalised};
 
 /// How deep the visible domain may be split: 2¹⁰ parts of 0.39 nm.
 const DEPTH: u8 = 10;
@@ -60,11 +57,7 @@ impl<'a> SharedIntervals<'a> {
     ///
     /// # Errors
     /// A text that says what is wrong with which leaf.
-    pub fn new(
-        palette: &Palette,
-        settings: IntervalSettings,
-        memory: &'a mut IntervalMemory,
-    ) -> Result<Self, String> {
+    pub fn new(palette: &Palette, settings: IntervalSettings, memory: &'a mut IntervalMemory) -> Result<Self, String> {
         let count = node_count(DEPTH);
         memory.weights.resize(count, Weight::default());
         memory.intervals.resize(palette.leaves().len(), vec![Interval::zero(); count]);
@@ -84,8 +77,7 @@ impl<'a> SharedIntervals<'a> {
 
     /// A product of spectra on an interval.
     fn product(&self, leaves: &[u32], node: Node, weight: &Weight<f64>) -> Interval<f64> {
-        let mut factors =
-            leaves.iter().filter_map(|leaf| self.pyramids.get(*leaf as usize)?.get(node));
+        let mut factors = leaves.iter().filter_map(|leaf| self.pyramids.get(*leaf as usize)?.get(node));
         let Some(first) = factors.next() else { return Interval::constant(1.0) };
         factors.fold(*first, |product, factor| match self.order() {
             Order::First => product.product_first_order(factor),
@@ -126,8 +118,7 @@ impl Products {
         monomial: Monomial,
         node: Node,
     ) -> Interval<f64> {
-        let compute =
-            || shared.product(monomials.leaves(monomial), node, &shared.domain.weight(node));
+        let compute = || shared.product(monomials.leaves(monomial), node, &shared.domain.weight(node));
         if node.level() > KEPT_LEVELS {
             return compute();
         }
@@ -210,11 +201,7 @@ impl<'a> Intervals<'a> {
     fn general(&mut self, radiance: &Radiance, tracer: &mut dyn Tracer) -> Colour {
         let shared = self.shared;
         self.ops.clear();
-        let weights = radiance
-            .terms()
-            .iter()
-            .map(|(_, w)| *w)
-            .chain(radiance.deferred().iter().map(|(_, _, w)| *w));
+        let weights = radiance.terms().iter().map(|(_, w)| *w).chain(radiance.deferred().iter().map(|(_, _, w)| *w));
         for (number, weight) in (0_u32..).zip(weights) {
             self.ops.extend([Op::Deferred(number), Op::Scale(weight)]);
             if number > 0 {
@@ -223,26 +210,9 @@ impl<'a> Intervals<'a> {
         }
         let Ok(program) = Program::new(&self.ops) else { return Colour::default() };
         self.stack.resize(program.stack_size(), Interval::zero());
-        let target = Target {
-            mode: shared.settings.mode,
-            threshold: shared.settings.threshold,
-            white: shared.white,
-        };
-        let mut sources = Pixel {
-            shared,
-            radiance,
-            tracer,
-            products: &mut self.products,
-            traced: HashMap::new(),
-        };
-        let result = evaluate(
-            &program,
-            &shared.domain,
-            &target,
-            &mut sources,
-            &mut self.stack,
-            &mut self.pieces,
-        );
+        let target = Target { mode: shared.settings.mode, threshold: shared.settings.threshold, white: shared.white };
+        let mut sources = Pixel { shared, radiance, tracer, products: &mut self.products, traced: HashMap::new() };
+        let result = evaluate(&program, &shared.domain, &target, &mut sources, &mut self.stack, &mut self.pieces);
         let Ok(found) = result else {
             return Colour { delta_e: f64::INFINITY, ..Colour::default() };
         };
@@ -361,9 +331,7 @@ impl Pixel<'_, '_> {
         let mut total = [0.0; 3];
         for node in nodes {
             for (deferred, _, weight) in self.radiance.deferred() {
-                if let Some(radius) =
-                    self.traced.get(&(*deferred, node)).and_then(|t| t.path_radius)
-                {
+                if let Some(radius) = self.traced.get(&(*deferred, node)).and_then(|t| t.path_radius) {
                     total = core::array::from_fn(|a| total[a] + weight * radius[a]);
                 }
             }
@@ -382,8 +350,7 @@ impl Sources<f64> for Pixel<'_, '_> {
         if let Some((monomial, _)) = self.radiance.terms().get(place) {
             return Some(self.products.get(self.shared, self.tracer.monomials(), *monomial, node));
         }
-        let (deferred, monomial, _) =
-            *self.radiance.deferred().get(place - self.radiance.terms().len())?;
+        let (deferred, monomial, _) = *self.radiance.deferred().get(place - self.radiance.terms().len())?;
         let mut light = self.traced_on(deferred, node, node);
         let estimate = self.path_estimate(deferred, node);
         if let Some(traced) = self.traced.get_mut(&(deferred, node)) {
@@ -392,8 +359,7 @@ impl Sources<f64> for Pixel<'_, '_> {
         match self.shared.order() {
             // Without a radius of its own, the first order counts the path's error with the spectrum's.
             Order::First => {
-                light.error =
-                    core::array::from_fn(|a| light.error[a] + estimate[a].copysign(light.error[a]));
+                light.error = core::array::from_fn(|a| light.error[a] + estimate[a].copysign(light.error[a]));
             }
             Order::Certified => {
                 light.radius = core::array::from_fn(|a| light.radius[a] + estimate[a]);

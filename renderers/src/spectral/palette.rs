@@ -54,9 +54,7 @@ impl Palette {
             SpectrumKind::Table { wavelengths, values } => {
                 (1.0, Tabulated { wavelengths: wavelengths.clone(), values: values.clone() })
             }
-            SpectrumKind::D65 { scale } => {
-                (scale / crate::scene::D65_NORMALISATION, Tabulated::d65())
-            }
+            SpectrumKind::D65 { scale } => (scale / crate::scene::D65_NORMALISATION, Tabulated::d65()),
             SpectrumKind::Blackbody { temperature, scale, wavelength_min, wavelength_max } => {
                 (*scale, Tabulated::blackbody(*temperature, *wavelength_min, *wavelength_max))
             }
@@ -89,10 +87,7 @@ impl Tabulated {
 
     /// The spectrum times a number.
     pub fn scaled(&self, factor: f64) -> Self {
-        Self {
-            wavelengths: self.wavelengths.clone(),
-            values: self.values.iter().map(|v| v * factor).collect(),
-        }
+        Self { wavelengths: self.wavelengths.clone(), values: self.values.iter().map(|v| v * factor).collect() }
     }
 
     fn flat() -> Self {
@@ -103,10 +98,7 @@ impl Tabulated {
     pub fn d65() -> Self {
         let table = &tables::illuminants::D65;
         let wavelengths = (0..table.samples.double.len())
-            .map(|i| {
-                f64::from(table.first)
-                    + f64::from(table.step) * f64::from(u32::try_from(i).unwrap_or(0))
-            })
+            .map(|i| f64::from(table.first) + f64::from(table.step) * f64::from(u32::try_from(i).unwrap_or(0)))
             .collect();
         Self { wavelengths, values: table.samples.double.to_vec() }
     }
@@ -137,9 +129,7 @@ impl Tabulated {
         }
         let place = other.values.iter().position(|v| *v != 0.0)?;
         let ratio = self.values[place] / other.values[place];
-        let same = |(mine, theirs): (&f64, &f64)| {
-            (mine - ratio * theirs).abs() <= 2.0 * f64::EPSILON * mine.abs()
-        };
+        let same = |(mine, theirs): (&f64, &f64)| (mine - ratio * theirs).abs() <= 2.0 * f64::EPSILON * mine.abs();
         (ratio > 0.0 && self.values.iter().zip(&other.values).all(same)).then_some(ratio)
     }
 
@@ -148,8 +138,7 @@ impl Tabulated {
     /// Between nodes the true product is quadratic: the error is a quarter of the product of both factors' differences
     /// between neighbouring nodes, at most.
     pub fn times(&self, other: &Self) -> Self {
-        let mut wavelengths: Vec<f64> =
-            self.wavelengths.iter().chain(&other.wavelengths).copied().collect();
+        let mut wavelengths: Vec<f64> = self.wavelengths.iter().chain(&other.wavelengths).copied().collect();
         wavelengths.sort_by(f64::total_cmp);
         wavelengths.dedup();
         let values = wavelengths.iter().map(|w| self.value(*w) * other.value(*w)).collect();
@@ -165,11 +154,7 @@ impl Tabulated {
     /// # Errors
     /// A text that says what is wrong with the nodes.
     pub fn spectrum(&self) -> Result<spectral_core::spectrum::PiecewiseLinear<'_, f64>, String> {
-        spectral_core::spectrum::PiecewiseLinear::new(
-            &self.wavelengths,
-            &self.values,
-            Outside::Zero,
-        )
-        .map_err(|e| e.to_string())
+        spectral_core::spectrum::PiecewiseLinear::new(&self.wavelengths, &self.values, Outside::Zero)
+            .map_err(|e| e.to_string())
     }
 }

@@ -25,11 +25,7 @@ pub struct Monomials {
 
 impl Default for Monomials {
     fn default() -> Self {
-        Self {
-            factors: vec![Vec::new()],
-            products: HashMap::new(),
-            numbers: HashMap::from([(Vec::new(), 0)]),
-        }
+        Self { factors: vec![Vec::new()], products: HashMap::new(), numbers: HashMap::from([(Vec::new(), 0)]) }
     }
 }
 

@@ -3,9 +3,7 @@
 use spectral_core::colour::rgb;
 use spectral_core::{Observer, tristimulus};
 
-use super::{
-    Colour, Monomial, Monomials, Palette, Radiance, Resolver, Role, Tabulated, Tracer, Y_INTEGRAL,
-};
+use super::{Colour, Monomial, Monomials, Palette, Radiance, Resolver, Role, Tabulated, Tracer, Y_INTEGRAL};
 
 /// The wavelength in nm at which refraction is taken: the helium d line, where glass catalogues state the index.
 const MEAN_WAVELENGTH: f64 = 587.5618;
@@ -29,9 +27,7 @@ impl Components {
         let mut leaves = Vec::new();
         for (leaf, role) in palette.leaves() {
             let xyz = match role {
-                Role::Light => {
-                    tristimulus(&observer, &leaf.spectrum()?, 380.0, 780.0).map(|v| v / Y_INTEGRAL)
-                }
+                Role::Light => tristimulus(&observer, &leaf.spectrum()?, 380.0, 780.0).map(|v| v / Y_INTEGRAL),
                 Role::Reflectance => {
                     let lit = leaf.times(&d65);
                     tristimulus(&observer, &lit.spectrum()?, 380.0, 780.0).map(|v| v / white)
@@ -43,8 +39,7 @@ impl Components {
     }
 
     fn product(&self, monomials: &Monomials, monomial: Monomial) -> [f64; 3] {
-        let factors =
-            monomials.leaves(monomial).iter().filter_map(|leaf| self.leaves.get(*leaf as usize));
+        let factors = monomials.leaves(monomial).iter().filter_map(|leaf| self.leaves.get(*leaf as usize));
         factors.fold([1.0; 3], |p, f| core::array::from_fn(|a| p[a] * f[a]))
     }
 

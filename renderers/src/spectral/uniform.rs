@@ -62,8 +62,7 @@ fn mean(spectrum: &impl Spectrum<f64>, [from, to]: [f64; 2]) -> f64 {
         let segment = spectrum.segment(position);
         let end = segment.end.min(to);
         let last = if segment.end.is_finite() {
-            segment.first
-                + (segment.last - segment.first) * (end - position) / (segment.end - position)
+            segment.first + (segment.last - segment.first) * (end - position) / (segment.end - position)
         } else {
             segment.first
         };
@@ -119,22 +118,14 @@ impl<'a> Uniform<'a> {
             for (deferred, through, weight) in radiance.deferred() {
                 let traced = tracer.trace(*deferred, self.bins.centre(bin));
                 let monomials = tracer.monomials();
-                let light: f64 = traced
-                    .terms()
-                    .iter()
-                    .map(|(m, w)| w * self.bin_product(monomials, *m, bin))
-                    .sum();
+                let light: f64 = traced.terms().iter().map(|(m, w)| w * self.bin_product(monomials, *m, bin)).sum();
                 self.spectrum[bin] += weight * light * self.bin_product(monomials, *through, bin);
             }
         }
     }
 
     fn bin_product(&self, monomials: &Monomials, monomial: Monomial, bin: usize) -> f64 {
-        monomials
-            .leaves(monomial)
-            .iter()
-            .map(|leaf| self.bins.leaves[*leaf as usize][bin])
-            .product()
+        monomials.leaves(monomial).iter().map(|leaf| self.bins.leaves[*leaf as usize][bin]).product()
     }
 }
 
@@ -148,11 +139,7 @@ impl Resolver for Uniform<'_> {
         if !radiance.deferred().is_empty() {
             self.add_deferred(radiance, tracer);
         }
-        let xyz = self
-            .bins
-            .weights
-            .each_ref()
-            .map(|w| w.iter().zip(&self.spectrum).map(|(w, s)| w * s).sum());
+        let xyz = self.bins.weights.each_ref().map(|w| w.iter().zip(&self.spectrum).map(|(w, s)| w * s).sum());
         Colour { xyz: normalised(xyz), intervals: self.bins.count, ..Colour::default() }
     }
 }

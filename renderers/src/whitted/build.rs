@@ -39,47 +39,27 @@ impl Whitted {
         Ok(result)
     }
 
-    fn add_light(
-        &mut self,
-        scene: &Scene,
-        emitter: &Emitter,
-        palette: &mut Palette,
-    ) -> Result<(), RenderError> {
+    fn add_light(&mut self, scene: &Scene, emitter: &Emitter, palette: &mut Palette) -> Result<(), RenderError> {
         let mut light = |spectrum| palette.factor(scene.spectrum(spectrum), Role::Light);
         match emitter {
             Emitter::Area { shape, radiance } => {
                 let radiance = light(*radiance);
-                let data = scene
-                    .shapes
-                    .get(shape.0)
-                    .ok_or_else(|| RenderError::new("a light has no shape"))?;
+                let data = scene.shapes.get(shape.0).ok_or_else(|| RenderError::new("a light has no shape"))?;
                 if let Some((_, emission)) = self.surfaces.get_mut(shape.0) {
                     *emission = Some(radiance);
                 }
                 let primitive = self.world.primitives(shape.0).start;
-                self.lights.push(Light::Area(AreaLight {
-                    shape: area_shape(data)?,
-                    radiance,
-                    primitive,
-                }));
+                self.lights.push(Light::Area(AreaLight { shape: area_shape(data)?, radiance, primitive }));
             }
             Emitter::Point { position, intensity } => {
-                self.lights
-                    .push(Light::Point { position: *position, intensity: light(*intensity) });
+                self.lights.push(Light::Point { position: *position, intensity: light(*intensity) });
             }
             Emitter::Directional { direction, irradiance } => {
-                self.lights.push(Light::Directional {
-                    direction: *direction,
-                    irradiance: light(*irradiance),
-                });
+                self.lights.push(Light::Directional { direction: *direction, irradiance: light(*irradiance) });
             }
             Emitter::Ambient { radiance } => self.ambient.push(light(*radiance)),
             other => {
-                let name = if matches!(other, Emitter::Constant { .. }) {
-                    "constant"
-                } else {
-                    "of this kind"
-                };
+                let name = if matches!(other, Emitter::Constant { .. }) { "constant" } else { "of this kind" };
                 return Err(RenderError::new(format!(
                     "the Whitted renderer has no emitter {name}: use area, point, directional or ambient ones"
                 )));
@@ -106,11 +86,7 @@ fn surface(geometry: &Geometry) -> Result<Surface, RenderError> {
     Ok(match geometry {
         Geometry::Rectangle { center, half_u, half_v, normal } => {
             // The front is where the edges' cross product points.
-            let (u, v) = if half_u.cross(*half_v).dot(*normal) >= 0.0 {
-                (half_u, half_v)
-            } else {
-                (half_v, half_u)
-            };
+            let (u, v) = if half_u.cross(*half_v).dot(*normal) >= 0.0 { (half_u, half_v) } else { (half_v, half_u) };
             Surface::Parallelogram(Parallelogram {
                 corner: single(*center - *u - *v),
                 edge_u: single(*u * 2.0),
@@ -120,11 +96,9 @@ fn surface(geometry: &Geometry) -> Result<Surface, RenderError> {
         Geometry::Disk { center, radius, normal } => {
             Surface::Disk(Disk::new(single(*center), single(*normal), *radius as f32))
         }
-        Geometry::Sphere { center, radius, inward } => Surface::Sphere(Sphere {
-            centre: single(*center),
-            radius: *radius as f32,
-            inward: *inward,
-        }),
+        Geometry::Sphere { center, radius, inward } => {
+            Surface::Sphere(Sphere { centre: single(*center), radius: *radius as f32, inward: *inward })
+        }
         Geometry::Mesh(mesh) => Surface::Mesh(geometry::Mesh {
             positions: mesh.positions.iter().map(|p| single(*p)).collect(),
             triangles: mesh.triangles.clone(),
@@ -135,20 +109,12 @@ fn surface(geometry: &Geometry) -> Result<Surface, RenderError> {
 
 fn area_shape(shape: &Shape) -> Result<AreaShape, RenderError> {
     match &shape.geometry {
-        Geometry::Rectangle { center, half_u, half_v, normal } => Ok(AreaShape::Rectangle(Flat {
-            centre: *center,
-            u: *half_u,
-            v: *half_v,
-            normal: *normal,
-        })),
+        Geometry::Rectangle { center, half_u, half_v, normal } => {
+            Ok(AreaShape::Rectangle(Flat { centre: *center, u: *half_u, v: *half_v, normal: *normal }))
+        }
         Geometry::Disk { center, radius, normal } => {
             let (u, v): (DVec3, DVec3) = normal.any_orthonormal_pair();
-            Ok(AreaShape::Disk(Flat {
-                centre: *center,
-                u: u * *radius,
-                v: v * *radius,
-                normal: *normal,
-            }))
+            Ok(AreaShape::Disk(Flat { centre: *center, u: u * *radius, v: v * *radius, normal: *normal }))
         }
         Geometry::Sphere { center, radius, inward: false } => {
             Ok(AreaShape::Sphere { centre: *center, radius: *radius })

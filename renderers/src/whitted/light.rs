@@ -97,11 +97,7 @@ impl View<'_> {
     fn point(&self, square: [f64; 2]) -> DVec3 {
         let inset = |x: f64| (x - 0.5) * (1.0 - INSET) + 0.5;
         let [x, y] = square.map(inset);
-        if self.round {
-            self.flat.at(square_to_disk([x, y]))
-        } else {
-            self.flat.at([2.0 * x - 1.0, 2.0 * y - 1.0])
-        }
+        if self.round { self.flat.at(square_to_disk([x, y])) } else { self.flat.at([2.0 * x - 1.0, 2.0 * y - 1.0]) }
     }
 
     /// Irradiance per area, up to a factor: cosines at both ends over the squared distance.
@@ -125,8 +121,7 @@ impl View<'_> {
                 let to_centre = centre - self.receiver.position;
                 let along = to_centre.dot(direction);
                 let across = (to_centre - direction * along).length_squared();
-                let entry = self.receiver.position
-                    + direction * (along - (radius * radius - across).max(0.0).sqrt());
+                let entry = self.receiver.position + direction * (along - (radius * radius - across).max(0.0).sqrt());
                 SurfacePoint::new(single(entry), single((entry - centre).normalize_or_zero()))
             }
         };
@@ -147,14 +142,7 @@ impl View<'_> {
     }
 
     /// Adds a cell of the lattice: whole where its corners and middle agree, in quarters where they don't.
-    fn cell(
-        &mut self,
-        level: u32,
-        column: usize,
-        row: usize,
-        least: u32,
-        parts: &mut dyn FnMut(DVec3, f64, f64),
-    ) {
+    fn cell(&mut self, level: u32, column: usize, row: usize, least: u32, parts: &mut dyn FnMut(DVec3, f64, f64)) {
         let width = 1_usize << (MAX_LEVEL - level);
         let corners = [(0, 0), (width, 0), (0, width), (width, width)];
         if level < least {
@@ -162,8 +150,8 @@ impl View<'_> {
         }
         let count = corners.iter().filter(|(x, y)| self.lattice(column + x, row + y)).count();
         let half = width / 2;
-        let uniform = (count == 0 || count == 4)
-            && (half == 0 || self.lattice(column + half, row + half) == (count == 4));
+        let uniform =
+            (count == 0 || count == 4) && (half == 0 || self.lattice(column + half, row + half) == (count == 4));
         if !uniform && level < MAX_LEVEL {
             return self.quarters(level, column, row, least, parts);
         }
@@ -180,14 +168,7 @@ impl View<'_> {
         parts(middle, weight, share);
     }
 
-    fn quarters(
-        &mut self,
-        level: u32,
-        column: usize,
-        row: usize,
-        least: u32,
-        parts: &mut dyn FnMut(DVec3, f64, f64),
-    ) {
+    fn quarters(&mut self, level: u32, column: usize, row: usize, least: u32, parts: &mut dyn FnMut(DVec3, f64, f64)) {
         let half = 1_usize << (MAX_LEVEL - level - 1);
         for (x, y) in [(0, 0), (half, 0), (0, half), (half, half)] {
             self.cell(level + 1, column + x, row + y, least, parts);
@@ -198,9 +179,8 @@ impl View<'_> {
     fn unblocked(&self) -> f64 {
         let r = self.receiver;
         let f = &self.flat;
-        let factor = |corners: &[[f64; 3]]| {
-            polygon_configuration_factor(r.position.to_array(), r.normal.to_array(), corners)
-        };
+        let factor =
+            |corners: &[[f64; 3]]| polygon_configuration_factor(r.position.to_array(), r.normal.to_array(), corners);
         if self.round {
             // The regular polygon with the disk's area.
             #[allow(clippy::cast_precision_loss, reason = "a small constant")]
@@ -213,9 +193,7 @@ impl View<'_> {
             });
             factor(&corners)
         } else {
-            factor(
-                &[[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]].map(|c| f.at(c).to_array()),
-            )
+            factor(&[[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]].map(|c| f.at(c).to_array()))
         }
     }
 }
@@ -237,24 +215,14 @@ impl AreaLight {
                 let seen = radius * (1.0 - (radius / distance).powi(2)).sqrt();
                 let (u, v) = normal.any_orthonormal_pair();
                 let middle = centre + normal * (radius * radius / distance);
-                Some((
-                    Flat { centre: middle, u: u * seen, v: v * seen, normal },
-                    true,
-                    Some((centre, radius)),
-                ))
+                Some((Flat { centre: middle, u: u * seen, v: v * seen, normal }, true, Some((centre, radius))))
             }
         }
     }
 
     /// Calls `receive` for each visible part of the light. The parts' irradiances add up to the closed form where nothing blocks, and
     /// to its visible share (the ratio estimator) elsewhere. At least 4^`least` parts are made.
-    pub(super) fn illuminate(
-        &self,
-        world: &World,
-        receiver: &Receiver,
-        least: u32,
-        mut receive: impl FnMut(Part),
-    ) {
+    pub(super) fn illuminate(&self, world: &World, receiver: &Receiver, least: u32, mut receive: impl FnMut(Part)) {
         let Some((flat, round, sphere)) = self.flat(receiver) else { return };
         if (receiver.position - flat.centre).dot(flat.normal) <= 0.0 {
             return;
@@ -319,13 +287,7 @@ impl Light {
     }
 
     /// Calls `receive` for each visible part of the light.
-    pub(super) fn illuminate(
-        &self,
-        world: &World,
-        receiver: &Receiver,
-        least: u32,
-        mut receive: impl FnMut(Part),
-    ) {
+    pub(super) fn illuminate(&self, world: &World, receiver: &Receiver, least: u32, mut receive: impl FnMut(Part)) {
         match self {
             Self::Area(area) => area.illuminate(world, receiver, least, receive),
             Self::Point { position, .. } => {

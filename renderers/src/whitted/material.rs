@@ -49,11 +49,9 @@ impl Index {
     fn new(scene: &Scene, ior: &Ior) -> Result<Self, RenderError> {
         Ok(match ior {
             Ior::Constant(value) => Self::Constant(*value),
-            Ior::Glass(name) => {
-                Self::Glass(Glass::find(name).ok_or_else(|| {
-                    RenderError::new(format!("there is no built-in glass {name:?}"))
-                })?)
-            }
+            Ior::Glass(name) => Self::Glass(
+                Glass::find(name).ok_or_else(|| RenderError::new(format!("there is no built-in glass {name:?}")))?,
+            ),
             Ior::Spectrum(id) => Self::of_spectrum(scene, *id),
         })
     }
@@ -100,41 +98,29 @@ impl Dielectric {
 }
 
 impl Material {
-    pub(super) fn new(
-        scene: &Scene,
-        id: BsdfId,
-        palette: &mut Palette,
-    ) -> Result<Self, RenderError> {
-        let mut reflectance =
-            |spectrum: SpectrumId| palette.factor(scene.spectrum(spectrum), Role::Reflectance);
+    pub(super) fn new(scene: &Scene, id: BsdfId, palette: &mut Palette) -> Result<Self, RenderError> {
+        let mut reflectance = |spectrum: SpectrumId| palette.factor(scene.spectrum(spectrum), Role::Reflectance);
         Ok(match &scene.bsdf(id).kind {
             BsdfKind::Diffuse { reflectance: spectrum } => Self::Diffuse(reflectance(*spectrum)),
-            BsdfKind::Schlick { reflectance: spectrum, roughness, isotropy } => Self::Schlick {
-                reflectance: reflectance(*spectrum),
-                roughness: *roughness,
-                isotropy: *isotropy,
-            },
+            BsdfKind::Schlick { reflectance: spectrum, roughness, isotropy } => {
+                Self::Schlick { reflectance: reflectance(*spectrum), roughness: *roughness, isotropy: *isotropy }
+            }
             BsdfKind::Conductor { fresnel, specular_reflectance } => {
                 let weight = reflectance(*specular_reflectance);
                 mirror(scene, fresnel, weight, palette)
             }
-            BsdfKind::Dielectric {
-                int_ior,
-                ext_ior,
-                specular_reflectance,
-                specular_transmittance,
-                absorption,
-            } => Self::Dielectric(Box::new(Dielectric {
-                interior: Index::new(scene, int_ior)?,
-                exterior: Index::new(scene, ext_ior)?,
-                reflectance: reflectance(*specular_reflectance),
-                transmittance: reflectance(*specular_transmittance),
-                absorption: absorption.map(|a| Index::of_spectrum(scene, a)),
-            })),
-            BsdfKind::TwoSided { front, back } => Self::TwoSided(Box::new([
-                Self::new(scene, *front, palette)?,
-                Self::new(scene, *back, palette)?,
-            ])),
+            BsdfKind::Dielectric { int_ior, ext_ior, specular_reflectance, specular_transmittance, absorption } => {
+                Self::Dielectric(Box::new(Dielectric {
+                    interior: Index::new(scene, int_ior)?,
+                    exterior: Index::new(scene, ext_ior)?,
+                    reflectance: reflectance(*specular_reflectance),
+                    transmittance: reflectance(*specular_transmittance),
+                    absorption: absorption.map(|a| Index::of_spectrum(scene, a)),
+                }))
+            }
+            BsdfKind::TwoSided { front, back } => {
+                Self::TwoSided(Box::new([Self::new(scene, *front, palette)?, Self::new(scene, *back, palette)?]))
+            }
         })
     }
 
@@ -149,12 +135,7 @@ impl Material {
 }
 
 /// A metal: its Fresnel reflectance times a factor, tabulated over the angle of incidence.
-fn mirror(
-    scene: &Scene,
-    fresnel: &ConductorFresnel,
-    weight: Factor,
-    palette: &mut Palette,
-) -> Material {
+fn mirror(scene: &Scene, fresnel: &ConductorFresnel, weight: Factor, palette: &mut Palette) -> Material {
     let (n, k) = match fresnel {
         ConductorFresnel::Perfect => return Material::Mirror(vec![weight]),
         ConductorFresnel::Metal(metal) => {
@@ -175,16 +156,10 @@ fn mirror(
             (sample(*eta), sample(*k))
         }
     };
-    let shape =
-        weight.leaf.and_then(|leaf| palette.leaves().get(leaf as usize)).map(|(s, _)| s.clone());
+    let shape = weight.leaf.and_then(|leaf| palette.leaves().get(leaf as usize)).map(|(s, _)| s.clone());
     let factors = (0..METAL_ANGLES).map(|angle| {
         let cosine = metal_cosine(angle);
-        let values = n
-            .values
-            .iter()
-            .zip(&k.values)
-            .map(|(n, k)| conductor_reflectance(cosine, *n, *k))
-            .collect();
+        let values = n.values.iter().zip(&k.values).map(|(n, k)| conductor_reflectance(cosine, *n, *k)).collect();
         let metal = Tabulated { wavelengths: n.wavelengths.clone(), values };
         let reflectance = shape.as_ref().map_or(metal.clone(), |s| s.times(&metal));
         palette.leaf(reflectance, weight.scale, Role::Reflectance)
@@ -199,11 +174,7 @@ fn metal_cosine(angle: usize) -> f64 {
 }
 
 /// The two neighbouring factors of a mirror at a cosine of incidence, with their weights.
-#[allow(
-    clippy::cast_sign_loss,
-    clippy::cast_possible_truncation,
-    reason = "a place in the table, floored"
-)]
+#[allow(clippy::cast_sign_loss, clippy::cast_possible_truncation, reason = "a place in the table, floored")]
 pub(super) fn mirror_factors(factors: &[Factor], cosine: f64) -> [(Factor, f64); 2] {
     let none = Factor { scale: 0.0, leaf: None };
     if factors.len() < METAL_ANGLES {
@@ -228,8 +199,7 @@ pub(super) fn conductor_reflectance(cosine: f64, n: f64, k: f64) -> f64 {
     let a2_b2 = (t * t + 4.0 * n * n * k * k).sqrt();
     let a = ((a2_b2 + t) / 2.0).max(0.0).sqrt();
     let s = (a2_b2 + c2 - 2.0 * a * cosine) / (a2_b2 + c2 + 2.0 * a * cosine);
-    let p = s * (c2 * a2_b2 + s2 * s2 - 2.0 * a * cosine * s2)
-        / (c2 * a2_b2 + s2 * s2 + 2.0 * a * cosine * s2);
+    let p = s * (c2 * a2_b2 + s2 * s2 - 2.0 * a * cosine * s2) / (c2 * a2_b2 + s2 * s2 + 2.0 * a * cosine * s2);
     (s + p) / 2.0
 }
 
@@ -263,10 +233,7 @@ mod tests {
         // A conductor at normal incidence, and as a dielectric where k = 0.
         let normal = ((0.2_f64 - 1.0).powi(2) + 9.0) / ((0.2_f64 + 1.0).powi(2) + 9.0);
         assert!((conductor_reflectance(1.0, 0.2, 3.0) - normal).abs() <= 1e-15);
-        assert!(
-            (conductor_reflectance(0.3, 1.5, 0.0) - dielectric_fresnel(0.3, 1.5).unwrap().0).abs()
-                <= 1e-14
-        );
+        assert!((conductor_reflectance(0.3, 1.5, 0.0) - dielectric_fresnel(0.3, 1.5).unwrap().0).abs() <= 1e-14);
     }
 
     #[test]
@@ -278,8 +245,7 @@ mod tests {
                 for step in 1..10 {
                     let t = f64::from(step) / 10.0;
                     let exact = conductor_reflectance(from + (to - from) * t, n, k);
-                    let linear = conductor_reflectance(from, n, k) * (1.0 - t)
-                        + conductor_reflectance(to, n, k) * t;
+                    let linear = conductor_reflectance(from, n, k) * (1.0 - t) + conductor_reflectance(to, n, k) * t;
                     assert!((exact - linear).abs() <= 1.5e-3, "{n} {k} {from}: {exact} {linear}");
                 }
             }

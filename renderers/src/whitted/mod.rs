@@ -123,13 +123,7 @@ impl<'s> Worker<'s> {
     #[allow(clippy::cast_possible_truncation, reason = "film positions are f32")]
     pub fn sample(&mut self, x: f64, y: f64, weight: f64, radiance: &mut Radiance) {
         let ray = self.scene.camera.ray(x as f32, y as f32);
-        let path = Path {
-            monomial: Monomial::default(),
-            weight,
-            depth: 0,
-            wavelength: None,
-            interior: None,
-        };
+        let path = Path { monomial: Monomial::default(), weight, depth: 0, wavelength: None, interior: None };
         self.gather(&ray, path, radiance);
     }
 
@@ -156,9 +150,7 @@ impl<'s> Worker<'s> {
         }
         match material.side(hit.front) {
             None | Some(Material::TwoSided(_)) => {}
-            Some(Material::Diffuse(reflectance)) => {
-                self.diffuse(&hit, path, *reflectance, radiance)
-            }
+            Some(Material::Diffuse(reflectance)) => self.diffuse(&hit, path, *reflectance, radiance),
             Some(Material::Schlick { reflectance, roughness, isotropy }) => {
                 if let Some(model) = Schlick::new(*roughness, *isotropy) {
                     self.schlick(&hit, direction, path, *reflectance, &model, radiance);
@@ -166,8 +158,7 @@ impl<'s> Worker<'s> {
             }
             Some(Material::Mirror(factors)) => {
                 let cosine = -direction.dot(receiver(&hit).normal);
-                let shares =
-                    mirror_factors(factors, cosine).map(|(factor, share)| (Some(factor), share));
+                let shares = mirror_factors(factors, cosine).map(|(factor, share)| (Some(factor), share));
                 self.mirror(&hit, direction, path, &shares, radiance);
             }
             Some(Material::Dielectric(dielectric)) => {
@@ -196,8 +187,7 @@ impl<'s> Worker<'s> {
         for light in &scene.lights {
             let mut irradiance = 0.0;
             light.illuminate(&scene.world, &receiver, 0, |part| irradiance += part.irradiance);
-            let lit =
-                Path { weight: reflected.weight * irradiance / core::f64::consts::PI, ..reflected };
+            let lit = Path { weight: reflected.weight * irradiance / core::f64::consts::PI, ..reflected };
             self.add(lit, light.factor(), radiance);
         }
         for ambient in &scene.ambient {
@@ -233,16 +223,11 @@ impl<'s> Worker<'s> {
             self.add(Path { weight: path.weight * without, ..path }, light.factor(), radiance);
         }
         for ambient in &scene.ambient {
-            self.add(
-                Path { weight: coloured.weight * (1.0 - specular), ..coloured },
-                *ambient,
-                radiance,
-            );
+            self.add(Path { weight: coloured.weight * (1.0 - specular), ..coloured }, *ambient, radiance);
         }
         if specular > 0.0 {
             let fresnel = schlick_fresnel(view.dot(receiver.normal));
-            let shares =
-                [(Some(reflectance), specular * (1.0 - fresnel)), (None, specular * fresnel)];
+            let shares = [(Some(reflectance), specular * (1.0 - fresnel)), (None, specular * fresnel)];
             self.mirror(hit, direction, path, &shares, radiance);
         }
     }
@@ -285,53 +270,30 @@ impl<'s> Worker<'s> {
         }
     }
 
-    fn dielectric(
-        &mut self,
-        hit: Hit,
-        direction: DVec3,
-        path: Path,
-        dielectric: &Dielectric,
-        radiance: &mut Radiance,
-    ) {
+    fn dielectric(&mut self, hit: Hit, direction: DVec3, path: Path, dielectric: &Dielectric, radiance: &mut Radiance) {
         if path.wavelength.is_none() && !dielectric.is_wavelength_free() {
             let mut reflected = Radiance::default();
             let unit = Path { monomial: Monomial::default(), ..path };
             let by = self.times(unit, dielectric.reflectance);
             self.follow(&mirror_ray(&hit, direction), by, path.interior, &mut reflected);
-            let interface =
-                Interface { hit, direction, depth: path.depth, reflected, weight: path.weight };
+            let interface = Interface { hit, direction, depth: path.depth, reflected, weight: path.weight };
             let number = u32::try_from(self.deferred.len()).unwrap_or(u32::MAX);
             self.deferred.push(interface);
             // The interface's own light already counts for the path's weight.
             radiance.defer(Deferred(number), path.monomial, 1.0);
             return;
         }
-        let (share, refracted) =
-            boundary(dielectric, &hit, direction, path.wavelength.unwrap_or(0.0));
-        let mirrored =
-            self.times(Path { weight: path.weight * share, ..path }, dielectric.reflectance);
+        let (share, refracted) = boundary(dielectric, &hit, direction, path.wavelength.unwrap_or(0.0));
+        let mirrored = self.times(Path { weight: path.weight * share, ..path }, dielectric.reflectance);
         self.follow(&mirror_ray(&hit, direction), mirrored, path.interior, radiance);
         if let Some(onward) = refracted {
-            self.refract(
-                &hit,
-                onward,
-                Path { weight: path.weight * (1.0 - share), ..path },
-                dielectric,
-                radiance,
-            );
+            self.refract(&hit, onward, Path { weight: path.weight * (1.0 - share), ..path }, dielectric, radiance);
         }
     }
 
     /// Follows the light that passes a boundary. Radiance seen from the other side counts as it is: what it gains by
     /// entering a medium it loses by leaving it, and camera and lights are outside.
-    fn refract(
-        &mut self,
-        hit: &Hit,
-        onward: DVec3,
-        path: Path,
-        dielectric: &Dielectric,
-        radiance: &mut Radiance,
-    ) {
+    fn refract(&mut self, hit: &Hit, onward: DVec3, path: Path, dielectric: &Dielectric, radiance: &mut Radiance) {
         let through = self.times(path, dielectric.transmittance);
         let interior = hit.front.then_some(hit.shape);
         self.follow(&hit.point().ray(single(onward)), through, interior, radiance);
@@ -342,13 +304,10 @@ impl<'s> Worker<'s> {
         let mut light = Radiance::default();
         let scene = self.scene;
         let Some(interface) = self.deferred.get(number).cloned() else { return light };
-        let Some((Material::Dielectric(dielectric), _)) =
-            scene.surfaces.get(interface.hit.shape as usize)
-        else {
+        let Some((Material::Dielectric(dielectric), _)) = scene.surfaces.get(interface.hit.shape as usize) else {
             return light;
         };
-        let (share, refracted) =
-            boundary(dielectric, &interface.hit, interface.direction, wavelength);
+        let (share, refracted) = boundary(dielectric, &interface.hit, interface.direction, wavelength);
         for (monomial, weight) in interface.reflected.terms() {
             light.add(*monomial, share * weight);
         }
@@ -384,13 +343,7 @@ impl Tracer for Worker<'_> {
 }
 
 /// The geometric term and Fresnel factor of Schlick's model for one part of a light.
-fn schlick_terms(
-    model: &Schlick<f64>,
-    receiver: &Receiver,
-    view: DVec3,
-    tangent: DVec3,
-    part: &Part,
-) -> (f64, f64) {
+fn schlick_terms(model: &Schlick<f64>, receiver: &Receiver, view: DVec3, tangent: DVec3, part: &Part) -> (f64, f64) {
     let half = (part.direction + view).normalize_or_zero();
     let across = half - receiver.normal * half.dot(receiver.normal);
     let v = view.dot(receiver.normal).clamp(0.0, 1.0);
@@ -418,21 +371,15 @@ fn mirror_ray(hit: &Hit, direction: DVec3) -> Ray {
 }
 
 /// The share of light that a boundary reflects at a wavelength, and the direction in which the rest goes on.
-fn boundary(
-    dielectric: &Dielectric,
-    hit: &Hit,
-    direction: DVec3,
-    wavelength: f64,
-) -> (f64, Option<DVec3>) {
+fn boundary(dielectric: &Dielectric, hit: &Hit, direction: DVec3, wavelength: f64) -> (f64, Option<DVec3>) {
     let normal = receiver(hit).normal;
     let relative = dielectric.relative_index(wavelength);
     let eta = if hit.front { relative } else { 1.0 / relative };
     let cosine = (-direction.dot(normal)).clamp(0.0, 1.0);
     match dielectric_fresnel(cosine, eta) {
         None => (1.0, None),
-        Some((share, refracted)) => (
-            share,
-            Some((direction / eta + normal * (cosine / eta - refracted)).normalize_or_zero()),
-        ),
+        Some((share, refracted)) => {
+            (share, Some((direction / eta + normal * (cosine / eta - refracted)).normalize_or_zero()))
+        }
     }
 }

@@ -30,10 +30,7 @@ impl<'a, R: Real> Pyramid<'a, R> {
         let entries = buffer.get_mut(..needed).ok_or(BuildError::BufferTooSmall { needed })?;
         for (node, entry) in nodes(domain.depth()).zip(entries.iter_mut()) {
             *entry = Interval::of_spectrum(spectrum, domain, node);
-            let sums = [entry.mean, entry.low, entry.high]
-                .into_iter()
-                .chain(entry.error)
-                .chain(entry.norm);
+            let sums = [entry.mean, entry.low, entry.high].into_iter().chain(entry.error).chain(entry.norm);
             if !sums.chain(entry.radius).all(R::is_finite) {
                 return Err(BuildError::NotFinite);
             }
@@ -59,11 +56,7 @@ impl<R: Real> Interval<R> {
     /// A spectrum on one part of the domain, integrated exactly.
     ///
     /// Where the spectrum is not finite, so are some of the fields.
-    pub fn of_spectrum<S: Spectrum<R> + ?Sized>(
-        spectrum: &S,
-        domain: &Domain<'_, R>,
-        node: Node,
-    ) -> Self {
+    pub fn of_spectrum<S: Spectrum<R> + ?Sized>(spectrum: &S, domain: &Domain<'_, R>, node: Node) -> Self {
         let weight = domain.weight(node);
         let [from, to] = node.limits();
         let mut values = [Sum::<R>::default(); 3];
@@ -85,9 +78,7 @@ impl<R: Real> Interval<R> {
         Self {
             mean,
             error: core::array::from_fn(|a| values[a] - mean * weight.integral[a]),
-            norm: core::array::from_fn(|a| {
-                norm[a] * (R::ONE + rounding) + rounding * size * weight.root[a]
-            }),
+            norm: core::array::from_fn(|a| norm[a] * (R::ONE + rounding) + rounding * size * weight.root[a]),
             absolute: core::array::from_fn(|a| {
                 absolute[a] * (R::ONE + rounding) + rounding * size * weight.integral[a]
             }),

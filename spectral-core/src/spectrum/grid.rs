@@ -49,8 +49,7 @@ impl<R: Real> Place<R> {
 /// as to the ends when neither is negative.
 #[inline]
 pub(crate) fn interpolate<R: Real>(first: R, last: R, below: R, above: R) -> R {
-    let (near, far, part) =
-        if below <= above { (first, last, below) } else { (last, first, above) };
+    let (near, far, part) = if below <= above { (first, last, below) } else { (last, first, above) };
     near + (far - near) * (part / (below + above))
 }
 
@@ -103,8 +102,7 @@ impl<R: Real> Grid<R> {
         if wavelength < self.first || wavelength.is_nan() {
             return Place::Below(self.first);
         }
-        let mut index =
-            ((wavelength - self.first) / self.step).to_usize().min(self.count.saturating_sub(2));
+        let mut index = ((wavelength - self.first) / self.step).to_usize().min(self.count.saturating_sub(2));
         // The guess may be off by rounding; both loops end after one turn at most.
         while index > 0 && self.node(index) > wavelength {
             index -= 1;
