@@ -1,6 +1,7 @@
 //! Exact integrals of piecewise linear functions, up to rounding: the walk over the pieces that a spectrum and the
 //! colour-matching functions share.
 
+use crate::spectrum::Segment;
 use crate::{Observer, Real, Spectrum};
 
 /// A running sum with Neumaier's compensation: the result is within 2 ulp of the exact sum of the rounded terms as long
@@ -122,6 +123,60 @@ pub(crate) fn for_each_piece<R: Real, S: Spectrum<R> + ?Sized>(
         }
         position = end;
     }
+}
+
+/// Abscissae (of the half [0, 1]) and weights of Gauss–Legendre quadrature with five points on [−1, 1]: exact to degree 9.
+const GAUSS: [[f64; 2]; 3] = [
+    [0.0, 0.568_888_888_888_888_9],
+    [0.538_469_310_105_683_1, 0.478_628_670_499_366_47],
+    [0.906_179_845_938_664, 0.236_926_885_056_189_08],
+];
+
+/// The most factors of a product that are integrated exactly: with a colour-matching function, a polynomial of degree 9.
+pub(crate) const MAX_FACTORS: usize = 8;
+
+/// ∫ S₁S₂… ā and ∫ |S₁S₂…| ā over [`from`, `to`] in nm, exactly but for rounding; at most [`MAX_FACTORS`] factors count.
+pub(crate) fn product_integrals<R: Real>(
+    observer: &Observer<'_, R>,
+    factors: &[&dyn Spectrum<R>],
+    from: R,
+    to: R,
+) -> [[R; 3]; 2] {
+    let mut sums = [[Sum::<R>::default(); 3]; 2];
+    let mut position = from;
+    while position < to {
+        let (cell_end, cmf) = observer.cell(position);
+        let mut end = to.min(cell_end);
+        for factor in factors.iter().take(MAX_FACTORS) {
+            end = end.min(factor.segment(position).end);
+        }
+        let half = (end - position) * R::HALF;
+        let middle = position + half;
+        for [abscissa, gauss_weight] in GAUSS.map(|pair| pair.map(R::from_f64)) {
+            let both = [middle - half * abscissa, middle + half * abscissa];
+            for at in both.into_iter().take(if abscissa > R::ZERO { 2 } else { 1 }) {
+                let mut product = half * gauss_weight;
+                for factor in factors.iter().take(MAX_FACTORS) {
+                    product *= linear(&factor.segment(position), position, at);
+                }
+                for (a, value) in cmf(at).into_iter().enumerate() {
+                    sums[0][a].add(product * value);
+                    sums[1][a].add((product * value).abs());
+                }
+            }
+        }
+        position = end;
+    }
+    sums.map(|three| three.map(Sum::value))
+}
+
+/// A piece that starts at `start`, at a wavelength in it.
+fn linear<R: Real>(segment: &Segment<R>, start: R, at: R) -> R {
+    if !segment.end.is_finite() {
+        return segment.first;
+    }
+    let t = (at - start) / (segment.end - start);
+    segment.first * (R::ONE - t) + segment.last * t
 }
 
 /// ∫ S ā over [`from`, `to`] in nm for the three colour-matching functions of an observer: tristimulus values in the

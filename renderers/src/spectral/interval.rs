@@ -8,18 +8,19 @@ use spectral_core::bound::delta_e_bound;
 use spectral_core::colour::rgb;
 use spectral_core::expression::{Op, Order, Program, Sources};
 use spectral_core::interval::{BuildError, Domain, Interval, Node, Pyramid, Weight, node_count};
+use spectral_core::spectrum::{PiecewiseLinear, Spectrum};
 use spectral_core::subdivision::{Stage, Subdivision};
 
 use super::{Colour, Deferred, Monomial, Monomials, Palette, Radiance, Resolver, Tracer, Y_INTEGRAL, normalised};
 
-/// How deep the visible domain may be split: 2¹⁰ parts of 0.39 nm.
-const DEPTH: u8 = 10;
+/// How deep the visible domain may be split: 2⁸ parts of 1.6 nm. Products on the deepest parts are integrated exactly.
+const DEPTH: u8 = 8;
 /// The most intervals of one colour.
 const MAX_PIECES: usize = 512;
 /// Subdivisions are recorded for colours up to this luminance, relative to white; brighter ones are evaluated afresh.
 const BRIGHTEST: f64 = 64.0;
 /// Products on intervals down to this level are kept by each thread.
-const KEPT_LEVELS: u8 = 6;
+const KEPT_LEVELS: u8 = DEPTH;
 
 /// What the interval representation aims at.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -41,6 +42,7 @@ impl Default for IntervalSettings {
 pub struct SharedIntervals<'a> {
     domain: Domain<'a, f64>,
     pyramids: Vec<Pyramid<'a, f64>>,
+    spectra: Vec<PiecewiseLinear<'a, f64>>,
     settings: IntervalSettings,
     white: [f64; 3],
 }
@@ -57,18 +59,23 @@ impl<'a> SharedIntervals<'a> {
     ///
     /// # Errors
     /// A text that says what is wrong with which leaf.
-    pub fn new(palette: &Palette, settings: IntervalSettings, memory: &'a mut IntervalMemory) -> Result<Self, String> {
+    pub fn new(
+        palette: &'a Palette,
+        settings: IntervalSettings,
+        memory: &'a mut IntervalMemory,
+    ) -> Result<Self, String> {
         let count = node_count(DEPTH);
         memory.weights.resize(count, Weight::default());
         memory.intervals.resize(palette.leaves().len(), vec![Interval::zero(); count]);
         let domain = Domain::build(Observer::cie_1931_2deg(), DEPTH, &mut memory.weights)
             .map_err(|e: BuildError| e.to_string())?;
-        let mut pyramids = Vec::new();
+        let (mut pyramids, mut spectra) = (Vec::new(), Vec::new());
         for ((leaf, _), buffer) in palette.leaves().iter().zip(&mut memory.intervals) {
             let spectrum = leaf.spectrum()?;
             pyramids.push(Pyramid::build(&spectrum, &domain, buffer).map_err(|e| e.to_string())?);
+            spectra.push(spectrum);
         }
-        Ok(Self { domain, pyramids, settings, white: rgb::WHITE.map(|w| w * Y_INTEGRAL) })
+        Ok(Self { domain, pyramids, spectra, settings, white: rgb::WHITE.map(|w| w * Y_INTEGRAL) })
     }
 
     fn order(&self) -> Order {
@@ -79,10 +86,16 @@ impl<'a> SharedIntervals<'a> {
     fn product(&self, leaves: &[u32], node: Node, weight: &Weight<f64>) -> Interval<f64> {
         let mut factors = leaves.iter().filter_map(|leaf| self.pyramids.get(*leaf as usize)?.get(node));
         let Some(first) = factors.next() else { return Interval::constant(1.0) };
-        factors.fold(*first, |product, factor| match self.order() {
+        let product = factors.fold(*first, |product, factor| match self.order() {
             Order::First => product.product_first_order(factor),
             Order::Certified => product.product(factor, weight),
-        })
+        });
+        if node.level() < DEPTH || leaves.len() < 2 {
+            return product;
+        }
+        let spectra: Vec<&dyn Spectrum<f64>> =
+            leaves.iter().filter_map(|leaf| Some(self.spectra.get(*leaf as usize)? as &dyn Spectrum<f64>)).collect();
+        Interval::of_product(&spectra, &self.domain, node, &product)
     }
 }
 

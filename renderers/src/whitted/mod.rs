@@ -23,8 +23,6 @@ use material::{Dielectric, Material, dielectric_fresnel, mirror_factors};
 
 /// Paths that count for less are not followed.
 const LEAST_WEIGHT: f64 = 1e-4;
-/// Parts of a light (4 to this power) that a glossy surface looks at.
-const GLOSSY_LEVEL: u32 = 3;
 
 /// Why a scene can't be rendered: one line.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -153,7 +151,7 @@ impl<'s> Worker<'s> {
             Some(Material::Diffuse(reflectance)) => self.diffuse(&hit, path, *reflectance, radiance),
             Some(Material::Schlick { reflectance, roughness, isotropy }) => {
                 if let Some(model) = Schlick::new(*roughness, *isotropy) {
-                    self.schlick(&hit, direction, path, *reflectance, &model, radiance);
+                    self.schlick(&hit, direction, path, *reflectance, (&model, *roughness), radiance);
                 }
             }
             Some(Material::Mirror(factors)) => {
@@ -202,7 +200,7 @@ impl<'s> Worker<'s> {
         direction: DVec3,
         path: Path,
         reflectance: Factor,
-        model: &Schlick<f64>,
+        (model, roughness): (&Schlick<f64>, f64),
         radiance: &mut Radiance,
     ) {
         let scene = self.scene;
@@ -210,7 +208,7 @@ impl<'s> Worker<'s> {
         let view = -direction;
         let (tangent, _) = receiver.normal.any_orthonormal_pair();
         let [_, glossy, specular] = model.weights();
-        let least = if glossy > 0.0 { GLOSSY_LEVEL } else { 0 };
+        let least = if glossy > 0.0 { glossy_level(roughness) } else { 0 };
         let coloured = self.times(path, reflectance);
         for light in &scene.lights {
             let (mut with, mut without) = (0.0, 0.0);
@@ -339,6 +337,16 @@ impl Tracer for Worker<'_> {
 
     fn trace(&mut self, deferred: Deferred, wavelength: f64) -> Radiance {
         self.expand(deferred.0 as usize, wavelength)
+    }
+}
+
+/// A glossy surface looks at a light in at least 4 to this power parts: the narrower its lobe, the more.
+fn glossy_level(roughness: f64) -> u32 {
+    match roughness {
+        r if r < 0.1 => 4,
+        r if r < 0.3 => 3,
+        r if r < 0.6 => 2,
+        _ => 1,
     }
 }
 

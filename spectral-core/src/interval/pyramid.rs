@@ -2,7 +2,7 @@
 
 use super::{BuildError, Domain, Interval, Node, Weight, node_count, nodes};
 use crate::Real;
-use crate::integrate::{Sum, for_each_piece};
+use crate::integrate::{MAX_FACTORS, Sum, for_each_piece, product_integrals};
 use crate::spectrum::Spectrum;
 
 /// The rounding of an exactly integrated ∫Sā in units of ε ∫|S|ā: interpolation at the ends of a piece (4), the
@@ -85,6 +85,31 @@ impl<R: Real> Interval<R> {
             low: low - rounding * size,
             high: high + rounding * size,
             radius: sizes.map(|s| rounding * s.value() + R::MIN_POSITIVE),
+        }
+    }
+}
+
+impl<R: Real> Interval<R> {
+    /// A product of spectra on one part of the domain, integrated exactly instead of estimated from its factors: the radius is
+    /// that of rounding alone.
+    ///
+    /// `estimate` is the product by the operators, which bounds the spread. Up to eight factors; with more, the
+    /// estimate is returned as it is. Takes some 20 ns for each factor and nanometre on a desktop
+    /// machine: worth it where the operators' radius is too large and the part can't be split.
+    pub fn of_product(factors: &[&dyn Spectrum<R>], domain: &Domain<'_, R>, node: Node, estimate: &Self) -> Self {
+        if factors.len() > MAX_FACTORS {
+            return *estimate;
+        }
+        let weight = domain.weight(node);
+        let [from, to] = node.limits();
+        let [values, sizes] = product_integrals(domain.observer(), factors, from, to);
+        let rounding = R::from_f64(LEAF_ROUNDING) * R::EPSILON * R::from_usize(factors.len() + 1);
+        let mean = mean(&values, &weight);
+        Self {
+            mean,
+            error: core::array::from_fn(|a| values[a] - mean * weight.integral[a]),
+            radius: sizes.map(|s| rounding * s + R::MIN_POSITIVE),
+            ..*estimate
         }
     }
 }
