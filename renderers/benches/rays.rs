@@ -1,8 +1,11 @@
 //! Millions of rays a second, on one thread: closest hit and any hit, by this crate's hierarchy and by obvhs's own
 //! traversals of its binary and its compressed wide hierarchy with its default triangle test.
+//! `cargo bench -p renderers --bench rays`.
 //!
 //! The Cornell box is 36 triangles (6 rectangles and two blocks), the mesh an icosphere of 81 920 triangles and the box
 //! around it. Coherent rays are those of a camera, row by row; random ones go between points in the box.
+
+#![allow(clippy::expect_used, reason = "the scenes are constants")]
 
 fn main() {
     divan::main();
@@ -50,7 +53,8 @@ fn block(centre: Vec3A, half: Vec3A, angle: f32) -> (u32, Surface) {
         centre + turn * (half * v(sign(0), sign(1), sign(2)))
     };
     let positions = (0..8).map(corner).collect();
-    let faces = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+    let faces =
+        [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
     let triangles = faces.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
     (1, Surface::Mesh(Mesh { positions, triangles, normals: Vec::new() }))
 }
@@ -78,7 +82,7 @@ fn surfaces(scene: Scene) -> Vec<(u32, Surface)> {
     all
 }
 
-/// A sphere of 20·4ⁿ triangles: an octahedron-free subdivision of the icosahedron.
+/// A sphere of 20·4ⁿ triangles: the subdivided icosahedron.
 fn icosphere(centre: Vec3A, radius: f32, levels: u32) -> Mesh {
     let g = (1.0 + 5.0_f32.sqrt()) / 2.0;
     let mut positions: Vec<Vec3A> = [0, 1, 2]
@@ -94,7 +98,8 @@ fn icosphere(centre: Vec3A, radius: f32, levels: u32) -> Mesh {
     for i in 0..12_u32 {
         for j in i + 1..12 {
             for k in j + 1..12 {
-                let near = |p: u32, q: u32| positions[p as usize].distance(positions[q as usize]) < 2.1;
+                let near =
+                    |p: u32, q: u32| positions[p as usize].distance(positions[q as usize]) < 2.1;
                 if near(i, j) && near(j, k) && near(i, k) {
                     triangles.push([i, j, k]);
                 }
@@ -150,13 +155,17 @@ fn rays(kind: Kind) -> Vec<Ray> {
     match kind {
         Kind::Coherent => {
             let to_world = DAffine3::from_translation(DVec3::new(278.0, 273.0, -800.0));
-            let camera = Camera::new(&to_world, 39.3077, FovAxis::Smaller, SIDE, SIDE).expect("a valid camera");
+            let camera = Camera::new(&to_world, 39.3077, FovAxis::Smaller, SIDE, SIDE)
+                .expect("a valid camera");
             let position = |i: u32| f32::from(u16::try_from(i).unwrap_or(0)) + 0.5;
             (0..SIDE * SIDE).map(|i| camera.ray(position(i % SIDE), position(i / SIDE))).collect()
         }
         Kind::Random => {
             let mut counter = 7;
-            let mut point = || v(unit(&mut counter), unit(&mut counter), unit(&mut counter)) * v(556.0, 548.0, 559.0);
+            let mut point = || {
+                v(unit(&mut counter), unit(&mut counter), unit(&mut counter))
+                    * v(556.0, 548.0, 559.0)
+            };
             (0..SIDE * SIDE)
                 .map(|_| {
                     let origin = point();
@@ -174,7 +183,8 @@ fn shadow_rays(world: &World, kind: Kind) -> Vec<Ray> {
         .iter()
         .filter_map(|ray| world.closest_hit(ray))
         .map(|hit| {
-            let light = v(213.0 + 130.0 * unit(&mut counter), 548.7, 227.0 + 105.0 * unit(&mut counter));
+            let light =
+                v(213.0 + 130.0 * unit(&mut counter), 548.7, 227.0 + 105.0 * unit(&mut counter));
             hit.point().ray_to(light)
         })
         .collect()
@@ -232,9 +242,9 @@ fn args() -> Vec<Named> {
 fn closest_here(bencher: Bencher, case: Named) {
     let built = Case::new(case.0);
     let rays = rays(case.1);
-    bencher
-        .counter(ItemsCount::new(rays.len()))
-        .bench_local(|| rays.iter().filter(|ray| black_box(built.world.closest_hit(ray)).is_some()).count());
+    bencher.counter(ItemsCount::new(rays.len())).bench_local(|| {
+        rays.iter().filter(|ray| black_box(built.world.closest_hit(ray)).is_some()).count()
+    });
 }
 
 #[divan::bench(args = args())]
@@ -245,7 +255,9 @@ fn closest_obvhs_bvh2(bencher: Bencher, case: Named) {
         let hits = rays.iter().filter(|ray| {
             let mut hit = RayHit::none();
             let index = &built.bvh2.primitive_indices;
-            built.bvh2.ray_traverse(**ray, &mut hit, |r, i| built.triangles[index[i] as usize].intersect(r));
+            built.bvh2.ray_traverse(**ray, &mut hit, |r, i| {
+                built.triangles[index[i] as usize].intersect(r)
+            });
             black_box(hit).t < f32::INFINITY
         });
         hits.count()
@@ -260,7 +272,9 @@ fn closest_obvhs_cwbvh(bencher: Bencher, case: Named) {
         let hits = rays.iter().filter(|ray| {
             let mut hit = RayHit::none();
             let index = &built.cwbvh.primitive_indices;
-            built.cwbvh.ray_traverse(**ray, &mut hit, |r, i| built.triangles[index[i] as usize].intersect(r));
+            built.cwbvh.ray_traverse(**ray, &mut hit, |r, i| {
+                built.triangles[index[i] as usize].intersect(r)
+            });
             black_box(hit).t < f32::INFINITY
         });
         hits.count()
@@ -283,7 +297,9 @@ fn any_obvhs_bvh2(bencher: Bencher, case: Named) {
     bencher.counter(ItemsCount::new(rays.len())).bench_local(|| {
         let index = &built.bvh2.primitive_indices;
         let free = |ray: &&obvhs::ray::Ray| {
-            built.bvh2.ray_traverse_miss(**ray, |r, i| built.triangles[index[i] as usize].intersect(r))
+            built
+                .bvh2
+                .ray_traverse_miss(**ray, |r, i| built.triangles[index[i] as usize].intersect(r))
         };
         rays.iter().filter(|ray| black_box(free(ray))).count()
     });
@@ -296,7 +312,9 @@ fn any_obvhs_cwbvh(bencher: Bencher, case: Named) {
     bencher.counter(ItemsCount::new(rays.len())).bench_local(|| {
         let index = &built.cwbvh.primitive_indices;
         let free = |ray: &&obvhs::ray::Ray| {
-            built.cwbvh.ray_traverse_miss(**ray, |r, i| built.triangles[index[i] as usize].intersect(r))
+            built
+                .cwbvh
+                .ray_traverse_miss(**ray, |r, i| built.triangles[index[i] as usize].intersect(r))
         };
         rays.iter().filter(|ray| black_box(free(ray))).count()
     });

@@ -7,7 +7,7 @@
 
 use core::time::Duration;
 
-use glam::{BVec4A, Vec3A, Vec4};
+use glam::{BVec4A, DVec3, Vec3A, Vec4};
 use obvhs::{BvhBuildParams, aabb::Aabb, bvh2::Bvh2, bvh2::builder::build_bvh2};
 
 use super::packet::{Half, Packet, PacketHit, Pair, Sheared};
@@ -16,16 +16,18 @@ use super::round::Round;
 
 /// The bit of a child reference that marks a leaf.
 const LEAF: u32 = 1 << 31;
-/// The child reference of an empty place.
-const EMPTY: u32 = u32::MAX;
+/// The first leaf is empty: it is what places without child refer to.
+const EMPTY: u32 = LEAF;
 /// Subtrees with at most this many items become leaves.
-const LEAF_ITEMS: usize = 64;
-/// Traversal stacks: most worlds need the first, a million triangles the second.
+const LEAF_ITEMS: usize = 4;
+/// Traversal stacks: small worlds need the first. What would need more than the second, such as thousands of coincident
+/// triangles, is put in one leaf.
 const SMALL_STACK: usize = 32;
 const LARGE_STACK: usize = 192;
 
 /// The triangles of a packet: half and lane.
-const PLACES: [(usize, usize); 8] = [(0, 0), (0, 1), (0, 2), (0, 3), (1, 0), (1, 1), (1, 2), (1, 3)];
+const PLACES: [(usize, usize); 8] =
+    [(0, 0), (0, 1), (0, 2), (0, 3), (1, 0), (1, 1), (1, 2), (1, 3)];
 
 /// What a hierarchy is built over.
 #[derive(Clone, Copy, Debug)]
@@ -66,8 +68,9 @@ struct Leaf {
 /// What is wanted of a triangle only once it is hit.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Detail {
-    /// Unit normal.
-    pub(super) normal: Vec3A,
+    /// Unit normal n of the plane n·x = `height`.
+    pub(super) normal: DVec3,
+    pub(super) height: f64,
     /// Smallest barycentric weights of a point that is surely off the edges, by its rounding.
     pub(super) least: [f32; 3],
     pub(super) half: Half,
@@ -77,17 +80,20 @@ impl Detail {
     /// Half by half and lane by lane.
     fn of_packet(pairs: &[Pair]) -> impl Iterator<Item = Self> {
         let pair = |lane: usize| pairs.get(lane).or(pairs.last());
-        PLACES.into_iter().filter_map(move |(half, lane)| pair(lane).map(|pair| Self::new(pair, half)))
+        PLACES
+            .into_iter()
+            .filter_map(move |(half, lane)| pair(lane).map(|pair| Self::new(pair, half)))
     }
 
     #[allow(clippy::cast_possible_truncation, reason = "the weights are wanted in f32")]
     fn new(pair: &Pair, half: usize) -> Self {
-        let [a, b, c] = pair.triangle(half).map(|v| v.as_dvec3());
+        let [a, b, c] = pair.triangle(half).map(Vec3A::as_dvec3);
         let normal = (b - a).cross(c - a);
         let size = a.abs().max(b.abs()).max(c.abs()).max_element();
         let rounding = 2.0 * f64::from(f32::EPSILON) * size / normal.length();
         let least = [c - b, a - c, b - a].map(|edge| (edge.length() * rounding).min(0.1) as f32);
-        Self { normal: normal.normalize_or_zero().as_vec3a(), least, half: pair.halves[half] }
+        let normal = normal.normalize_or_zero();
+        Self { normal, height: normal.dot((a + b + c) / 3.0), least, half: pair.halves[half] }
     }
 }
 
@@ -188,23 +194,26 @@ impl<const N: usize> Stack<N> {
 }
 
 impl Bvh {
-    /// Builds the hierarchy; `None` if it would be too deep to traverse (more than 60 levels).
-    pub(super) fn build(items: &[Item]) -> Option<Self> {
+    /// Builds the hierarchy.
+    pub(super) fn build(items: &[Item]) -> Self {
         let boxes: Vec<Aabb> = items.iter().map(Item::bounds).collect();
         let whole = boxes.iter().fold(Aabb::empty(), |whole, one| whole.union(one));
-        let mut bvh = Self { low: whole.min, high: whole.max, ..Self::default() };
         if items.is_empty() {
-            (bvh.low, bvh.high) = (Vec3A::ZERO, Vec3A::ZERO);
-            return Some(bvh);
+            return Self::default();
         }
-        let parameters =
-            BvhBuildParams { pre_split: false, max_prims_per_leaf: 1, ..BvhBuildParams::slow_build() };
+        let leaves = vec![Leaf { packets: [0; 2], rounds: [0; 2] }];
+        let bvh = Self { low: whole.min, high: whole.max, leaves, ..Self::default() };
+        let parameters = BvhBuildParams {
+            pre_split: false,
+            max_prims_per_leaf: 1,
+            ..BvhBuildParams::slow_build()
+        };
         let binary = build_bvh2(&boxes, parameters, &mut Duration::default());
-        let mut collapse = Collapse { items, binary: &binary, counts: vec![0; binary.nodes.len()], bvh };
+        let mut collapse =
+            Collapse { items, binary: &binary, counts: vec![0; binary.nodes.len()], bvh };
         collapse.count(0);
         collapse.root();
-        bvh = collapse.bvh;
-        (bvh.stack <= LARGE_STACK).then_some(bvh)
+        collapse.bvh
     }
 
     /// The corners of the box around everything; both zero if there is nothing.
@@ -302,7 +311,7 @@ impl Bvh {
 
     /// The reference of the root: a node, or the only leaf.
     fn root(&self) -> u32 {
-        if self.nodes.is_empty() { LEAF } else { 0 }
+        if self.nodes.is_empty() { LEAF | 1 } else { 0 }
     }
 
     #[inline(always)]
@@ -332,8 +341,13 @@ impl Bvh {
     fn any_in_leaf<const KZ: usize>(&self, child: u32, ray: &Sheared) -> bool {
         let leaf = &self.leaves[(child & !LEAF) as usize];
         let t_max = ray.ray.t_max;
-        (leaf.packets[0]..leaf.packets[1]).any(|i| self.packets[i as usize].any::<KZ>(ray, t_max))
-            || (leaf.rounds[0]..leaf.rounds[1]).any(|i| self.round_distance(i, &ray.ray, t_max).is_some())
+        // A loop, because it is inlined where an iterator's method is not.
+        for packet in &self.packets[leaf.packets[0] as usize..leaf.packets[1] as usize] {
+            if packet.any::<KZ>(ray, t_max) {
+                return true;
+            }
+        }
+        (leaf.rounds[0]..leaf.rounds[1]).any(|i| self.round_distance(i, &ray.ray, t_max).is_some())
     }
 
     fn round_distance(&self, index: u32, ray: &Ray, t_max: f32) -> Option<f64> {
@@ -344,10 +358,12 @@ impl Bvh {
     /// Whether every primitive below `primitives` is in the leaves, and every box holds what is in it.
     pub(super) fn is_consistent(&self, primitives: u32) -> bool {
         let mut seen = vec![false; primitives as usize];
-        let mut mark = |primitive: u32| seen.get_mut(primitive as usize).map(|s| *s = true).is_some();
+        let mut mark =
+            |primitive: u32| seen.get_mut(primitive as usize).map(|s| *s = true).is_some();
         let lanes = |packet: &Packet| PLACES.map(|(half, lane)| packet.primitive(half, lane));
         let mut in_packets = self.packets.iter().flat_map(lanes).filter(|p| *p != NO_PRIMITIVE);
-        let known = in_packets.all(&mut mark) && self.rounds.iter().all(|(_, primitive)| mark(*primitive));
+        let known =
+            in_packets.all(&mut mark) && self.rounds.iter().all(|(_, primitive)| mark(*primitive));
         let nested = self.leaves.is_empty() || self.is_nested(self.root(), self.low, self.high);
         known && nested && seen.iter().all(|s| *s)
     }
@@ -366,7 +382,9 @@ impl Bvh {
         (0..4).filter(|i| node.children[*i] != EMPTY).all(|i| {
             let corner = |planes: &[Vec4; 3]| Vec3A::new(planes[0][i], planes[1][i], planes[2][i]);
             let (inner_low, inner_high) = (corner(&node.low), corner(&node.high));
-            holds(inner_low) && holds(inner_high) && self.is_nested(node.children[i], inner_low, inner_high)
+            holds(inner_low)
+                && holds(inner_high)
+                && self.is_nested(node.children[i], inner_low, inner_high)
         })
     }
 }
@@ -391,7 +409,12 @@ fn to_f32(t: f64) -> f32 {
 
 /// Returns the nearest of the children that are hit and pushes the others, the nearer the later.
 #[inline(always)]
-fn push_ordered<const N: usize>(stack: &mut Stack<N>, node: &Node, near: Vec4, mut lanes: u32) -> Option<(u32, f32)> {
+fn push_ordered<const N: usize>(
+    stack: &mut Stack<N>,
+    node: &Node,
+    near: Vec4,
+    mut lanes: u32,
+) -> Option<(u32, f32)> {
     if lanes == 0 {
         return stack.pop();
     }
@@ -489,10 +512,12 @@ impl Collapse<'_> {
         let waiting = waiting + members.len();
         self.bvh.stack = self.bvh.stack.max(waiting);
         for (lane, member) in members.into_iter().enumerate() {
-            let child = if self.is_leaf(member) { self.leaf(member) } else { self.node(member, waiting - 1) };
+            let too_deep = waiting + 3 > LARGE_STACK;
+            let leaf = too_deep || self.is_leaf(member);
+            let child = if leaf { self.leaf(member) } else { self.node(member, waiting - 1) };
             self.bvh.nodes[place].children[lane] = child;
         }
-        u32::try_from(place).unwrap_or(EMPTY)
+        u32::try_from(place).unwrap_or(u32::MAX)
     }
 
     /// Up to four subtrees: the largest box that is not a leaf is opened first.
@@ -501,7 +526,11 @@ impl Collapse<'_> {
         while members.len() < 4 {
             let area = |i: usize| self.binary.nodes[i].aabb().half_area();
             let inner = (0..members.len()).filter(|i| !self.is_leaf(members[*i]));
-            let Some(largest) = inner.max_by(|i, j| area(members[*i]).total_cmp(&area(members[*j]))) else { break };
+            let Some(largest) =
+                inner.max_by(|i, j| area(members[*i]).total_cmp(&area(members[*j])))
+            else {
+                break;
+            };
             let first = self.binary.nodes[members[largest]].first_index as usize;
             members[largest] = first;
             members.push(first + 1);
@@ -532,10 +561,11 @@ impl Collapse<'_> {
             self.bvh.packets.extend(Packet::new(four));
             self.bvh.details.extend(Detail::of_packet(four));
         }
-        let range = |from: usize, to: usize| [from, to].map(|i| u32::try_from(i).unwrap_or(EMPTY));
+        let range =
+            |from: usize, to: usize| [from, to].map(|i| u32::try_from(i).unwrap_or(u32::MAX));
         let (packets, rounds) =
             (range(starts.0, self.bvh.packets.len()), range(starts.1, self.bvh.rounds.len()));
         self.bvh.leaves.push(Leaf { packets, rounds });
-        LEAF | u32::try_from(self.bvh.leaves.len() - 1).unwrap_or(EMPTY)
+        LEAF | u32::try_from(self.bvh.leaves.len() - 1).unwrap_or(u32::MAX)
     }
 }

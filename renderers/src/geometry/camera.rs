@@ -74,7 +74,15 @@ impl Camera {
         let pixel = 2.0 * half_width / columns;
         let (step_x, step_y) = (axes[0] * -pixel, axes[1] * -pixel);
         let corner = axes[2] - (step_x * columns + step_y * rows) / 2.0;
-        Ok(Self { origin: to_world.translation, corner, step_x, step_y, axes, half_width, size: [width, height] })
+        Ok(Self {
+            origin: to_world.translation,
+            corner,
+            step_x,
+            step_y,
+            axes,
+            half_width,
+            size: [width, height],
+        })
     }
 
     /// The image size in pixels, width and height.
@@ -104,12 +112,10 @@ impl Camera {
     pub fn project(&self, point: Vec3A) -> Option<[f32; 2]> {
         let offset = point.as_dvec3() - self.origin;
         let [x, y, z] = self.axes.map(|axis| axis.dot(offset));
-        if !(z > 0.0) {
-            return None;
-        }
         let scale = f64::from(self.size[0]) / (2.0 * self.half_width);
-        let [column, row] = [(self.size[0], x), (self.size[1], y)].map(|(n, c)| f64::from(n) / 2.0 - c / z * scale);
-        Some([column as f32, row as f32])
+        let [column, row] =
+            [(self.size[0], x), (self.size[1], y)].map(|(n, c)| f64::from(n) / 2.0 - c / z * scale);
+        (z > 0.0).then_some([column as f32, row as f32])
     }
 }
 

@@ -4,7 +4,8 @@
 //!   which surface a ray meets first and whether the way between two points is free;
 //! - [`Ray`], [`Hit`] and [`SurfacePoint`] carry positions with bounds of their error, so that secondary rays need no
 //!   guessed distance: they start just off their surface, on the right side of it, at every scale;
-//! - [`Camera`] makes rays from film positions.
+//! - [`Camera`] makes rays from film positions, and [`Filter`] moves those about the pixel;
+//! - [`sampling`] has the points, and the maps to lights and directions.
 //!
 //! Lengths are in scene units, coordinates at most [`MAX_COORDINATE`]. Everything is a pure function of its input: the
 //! same on any number of threads.
@@ -12,15 +13,18 @@
 mod bvh;
 mod camera;
 mod error;
+mod filter;
 mod packet;
 mod pairing;
 mod ray;
 mod round;
+pub mod sampling;
 mod surface;
 mod world;
 
 pub use camera::{Camera, FovAxis};
 pub use error::GeometryError;
+pub use filter::Filter;
 pub use glam;
 pub use ray::{Hit, NO_PRIMITIVE, Ray, SurfacePoint};
 pub use surface::{Disk, MAX_COORDINATE, Mesh, Parallelogram, Sphere, Surface};

@@ -130,48 +130,70 @@ impl Packet {
 
     /// The nearest hit with 0 ≤ t < `t_max`, for a ray prepared for axis `KZ`.
     #[inline(always)]
-    pub(super) fn closest<const KZ: usize>(&self, ray: &Sheared, mut t_max: f32) -> Option<PacketHit> {
-        let views = self.views::<KZ>(ray)?;
+    pub(super) fn closest<const KZ: usize>(&self, ray: &Sheared, t_max: f32) -> Option<PacketHit> {
+        let [first, second] = self.views::<KZ>(ray)?;
         let mut best = None;
-        for (half, view) in views.iter().enumerate().filter(|(_, view)| view.inside != 0) {
-            let found = view.distances(ray, t_max);
-            let mut lanes = found.possible;
-            while lanes != 0 {
-                let lane = lanes.trailing_zeros() as usize & 3;
-                lanes &= lanes - 1;
-                if ray.ray.exclude.contains(&self.primitive(half, lane)) {
-                    continue;
-                }
-                if found.certain >> lane & 1 != 0 {
-                    let t = found.t[lane];
-                    if t < t_max {
-                        t_max = t;
-                        best = Some(PacketHit { t, lane, half, weights: view.edges.map(|e| e[lane]) });
-                    }
-                } else if let Some(hit) = self.decide(view, ray, t_max, half, lane) {
-                    t_max = hit.t;
-                    best = Some(hit);
-                }
-            }
+        let mut t_max = t_max;
+        if first.inside != 0 {
+            self.closest_of_half(&first, ray, 0, &mut t_max, &mut best);
+        }
+        if second.inside != 0 {
+            self.closest_of_half(&second, ray, 1, &mut t_max, &mut best);
         }
         best
+    }
+
+    #[inline(always)]
+    fn closest_of_half(
+        &self,
+        view: &View,
+        ray: &Sheared,
+        half: usize,
+        t_max: &mut f32,
+        best: &mut Option<PacketHit>,
+    ) {
+        let found = view.distances(ray, *t_max);
+        let mut lanes = found.possible;
+        while lanes != 0 {
+            let lane = lanes.trailing_zeros() as usize & 3;
+            lanes &= lanes - 1;
+            if ray.ray.exclude.contains(&self.primitive(half, lane)) {
+                continue;
+            }
+            if found.certain >> lane & 1 != 0 {
+                let t = found.t[lane];
+                if t < *t_max {
+                    *t_max = t;
+                    *best = Some(PacketHit { t, lane, half, weights: view.edges.map(|e| e[lane]) });
+                }
+            } else if let Some(hit) = self.decide(view, ray, *t_max, half, lane) {
+                *t_max = hit.t;
+                *best = Some(hit);
+            }
+        }
     }
 
     /// Whether there is any hit with 0 ≤ t < `t_max`, for a ray prepared for axis `KZ`.
     #[inline(always)]
     pub(super) fn any<const KZ: usize>(&self, ray: &Sheared, t_max: f32) -> bool {
-        let Some(views) = self.views::<KZ>(ray) else { return false };
-        for (half, view) in views.iter().enumerate().filter(|(_, view)| view.inside != 0) {
-            let found = view.distances(ray, t_max);
-            let mut lanes = found.possible;
-            while lanes != 0 {
-                let lane = lanes.trailing_zeros() as usize & 3;
-                lanes &= lanes - 1;
-                let excluded = ray.ray.exclude.contains(&self.primitive(half, lane));
-                let hit = || found.certain >> lane & 1 != 0 || self.decide(view, ray, t_max, half, lane).is_some();
-                if !excluded && hit() {
-                    return true;
-                }
+        let Some([first, second]) = self.views::<KZ>(ray) else { return false };
+        (first.inside != 0 && self.any_of_half(&first, ray, 0, t_max))
+            || (second.inside != 0 && self.any_of_half(&second, ray, 1, t_max))
+    }
+
+    #[inline(always)]
+    fn any_of_half(&self, view: &View, ray: &Sheared, half: usize, t_max: f32) -> bool {
+        let found = view.distances(ray, t_max);
+        let mut lanes = found.possible;
+        while lanes != 0 {
+            let lane = lanes.trailing_zeros() as usize & 3;
+            lanes &= lanes - 1;
+            if ray.ray.exclude.contains(&self.primitive(half, lane)) {
+                continue;
+            }
+            if found.certain >> lane & 1 != 0 || self.decide(view, ray, t_max, half, lane).is_some()
+            {
+                return true;
             }
         }
         false
@@ -180,7 +202,8 @@ impl Packet {
     /// The edge functions of all eight triangles; `None` if the line of the ray misses them all.
     #[inline(always)]
     fn views<const KZ: usize>(&self, ray: &Sheared) -> Option<[View; 2]> {
-        let axis = |vertex: usize, k: usize| self.vertices[vertex][k % 3] - Vec4::splat(ray.origin[k % 3]);
+        let axis =
+            |vertex: usize, k: usize| self.vertices[vertex][k % 3] - Vec4::splat(ray.origin[k % 3]);
         let z = [0, 1, 2, 3].map(|vertex| axis(vertex, KZ));
         let shear = |vertex: usize| {
             let x = axis(vertex, KZ + 1) - ray.shear_x * z[vertex];
@@ -197,8 +220,18 @@ impl Packet {
         let (first, second) = (inside(bc, ca, ab), inside(cd, da, -ca));
         (first | second != 0).then(|| {
             [
-                View { sheared: [a, b, c], z: [z[0], z[1], z[2]], edges: [bc, ca, ab], inside: first },
-                View { sheared: [a, c, d], z: [z[0], z[2], z[3]], edges: [cd, da, -ca], inside: second },
+                View {
+                    sheared: [a, b, c],
+                    z: [z[0], z[1], z[2]],
+                    edges: [bc, ca, ab],
+                    inside: first,
+                },
+                View {
+                    sheared: [a, c, d],
+                    z: [z[0], z[2], z[3]],
+                    edges: [cd, da, -ca],
+                    inside: second,
+                },
             ]
         })
     }
@@ -207,7 +240,14 @@ impl Packet {
     #[cold]
     #[inline(never)]
     #[allow(clippy::cast_possible_truncation, reason = "the results are wanted in f32")]
-    fn decide(&self, view: &View, ray: &Sheared, t_max: f32, half: usize, lane: usize) -> Option<PacketHit> {
+    fn decide(
+        &self,
+        view: &View,
+        ray: &Sheared,
+        t_max: f32,
+        half: usize,
+        lane: usize,
+    ) -> Option<PacketHit> {
         let [a, b, c] = view.sheared.map(|p| (f64::from(p[0][lane]), f64::from(p[1][lane])));
         let edge = |p: (f64, f64), q: (f64, f64)| q.0 * p.1 - q.1 * p.0;
         let edges = [edge(b, c), edge(c, a), edge(a, b)];
@@ -219,7 +259,8 @@ impl Packet {
         // A ray that starts on the triangle hits it only if it enters through its front.
         let within = exact.t > 0.0 || (exact.t == 0.0 && exact.slope < 0.0);
         let t = exact.t.abs() as f32;
-        (within && exact.t < f64::from(t_max)).then(|| PacketHit { t, lane, half, weights: exact.weights })
+        let weights = exact.weights.map(|w| w as f32);
+        (within && exact.t < f64::from(t_max)).then_some(PacketHit { t, lane, half, weights })
     }
 }
 
@@ -258,18 +299,18 @@ impl View {
 }
 
 /// The meeting of a ray with a triangle that it is known to hit, from the vertices in `f64`.
-struct Exact {
+pub(super) struct Exact {
     /// Ray parameter.
     t: f64,
     /// The normal's component along the ray: negative when the ray enters through the front.
     slope: f64,
-    weights: [f32; 3],
+    /// Barycentric weights, none negative, sum 1.
+    pub(super) weights: [f64; 3],
 }
 
 impl Exact {
     /// Weights that rounding made negative are set to zero; a triangle seen exactly edge-on is met at its centroid.
-    #[allow(clippy::cast_possible_truncation, reason = "the weights are wanted in f32")]
-    fn new(ray: &Ray, triangle: [Vec3A; 3]) -> Self {
+    pub(super) fn new(ray: &Ray, triangle: [Vec3A; 3]) -> Self {
         let origin = ray.origin.as_dvec3();
         let direction = ray.direction.as_dvec3();
         let [a, b, c] = triangle.map(|v| v.as_dvec3() - origin);
@@ -281,7 +322,7 @@ impl Exact {
         let weights = if sum > 0.0 { clamped.map(|v| v / sum) } else { [1.0 / 3.0; 3] };
         let offset = a * weights[0] + b * weights[1] + c * weights[2];
         let slope = normal.dot(direction);
-        Self { t: distance(direction, normal.dot(a) / slope, offset), slope, weights: weights.map(|w| w as f32) }
+        Self { t: distance(direction, normal.dot(a) / slope, offset), slope, weights }
     }
 }
 

@@ -89,14 +89,21 @@ impl SurfacePoint {
     /// The ray that leaves the surface along `direction`.
     #[must_use]
     pub fn ray(&self, direction: Vec3A) -> Ray {
-        Ray { exclude: [self.primitive, NO_PRIMITIVE], ..Ray::new(self.offset(direction), direction) }
+        Ray {
+            exclude: [self.primitive, NO_PRIMITIVE],
+            ..Ray::new(self.offset(direction), direction)
+        }
     }
 
     /// The segment to a point that is on no surface, such as a point light.
     #[must_use]
     pub fn ray_to(&self, target: Vec3A) -> Ray {
         let origin = self.offset(target - self.position);
-        Ray { t_max: 1.0, exclude: [self.primitive, NO_PRIMITIVE], ..Ray::new(origin, target - origin) }
+        Ray {
+            t_max: 1.0,
+            exclude: [self.primitive, NO_PRIMITIVE],
+            ..Ray::new(origin, target - origin)
+        }
     }
 
     /// The segment to a point of another surface (or the same), which ends just before that surface: neither blocks it.
@@ -105,8 +112,13 @@ impl SurfacePoint {
         let towards = target.position - self.position;
         let origin = self.offset(towards);
         // The rounding of the direction moves the end of the segment by as much as the rounding of its coordinates.
-        let end = target.offset_by(-towards, target.error + f32::EPSILON * towards.abs().max_element());
-        Ray { t_max: 1.0, exclude: [self.primitive, target.primitive], ..Ray::new(origin, end - origin) }
+        let end =
+            target.offset_by(-towards, target.error + f32::EPSILON * towards.abs().max_element());
+        Ray {
+            t_max: 1.0,
+            exclude: [self.primitive, target.primitive],
+            ..Ray::new(origin, end - origin)
+        }
     }
 }
 
@@ -141,7 +153,12 @@ impl Hit {
     #[must_use]
     pub fn point(&self) -> SurfacePoint {
         let primitive = if self.planar { self.primitive } else { NO_PRIMITIVE };
-        SurfacePoint { position: self.position, error: self.error, normal: self.geometric_normal, primitive }
+        SurfacePoint {
+            position: self.position,
+            error: self.error,
+            normal: self.geometric_normal,
+            primitive,
+        }
     }
 
     /// The geometric normal turned to the side that the ray came from.

@@ -22,10 +22,9 @@ pub(super) struct DiskFrame {
     normal: DVec3,
 }
 
-/// A round surface met by a ray: ray parameter, position, unit normal as oriented, and its two coordinates.
+/// A round surface met by a ray: position, unit normal as oriented, and its two coordinates.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct RoundHit {
-    pub(super) t: f64,
     pub(super) position: DVec3,
     pub(super) normal: DVec3,
     pub(super) uv: [f64; 2],
@@ -51,17 +50,15 @@ impl DiskFrame {
         let t = -height / slope;
         // As for triangles, a ray that starts on the plane meets it only if it enters through the front.
         let within = t > 0.0 || (t == 0.0 && slope < 0.0);
-        if !(within && t < f64::from(t_max)) {
-            return None;
-        }
         let [a, b] = self.coordinates(origin + direction * t);
-        (a * a + b * b <= 1.0).then_some(t)
+        (within && t < f64::from(t_max) && a * a + b * b <= 1.0).then_some(t)
     }
 
     fn hit(&self, ray: &Ray, t: f64) -> RoundHit {
-        let [a, b] = self.coordinates(ray.origin.as_dvec3() - self.centre + ray.direction.as_dvec3() * t);
+        let [a, b] =
+            self.coordinates(ray.origin.as_dvec3() - self.centre + ray.direction.as_dvec3() * t);
         let position = self.centre + self.axes[0] * a + self.axes[1] * b;
-        RoundHit { t, position, normal: self.normal, uv: [a.hypot(b).min(1.0), turn(b, a)] }
+        RoundHit { position, normal: self.normal, uv: [a.hypot(b).min(1.0), turn(b, a)] }
     }
 }
 
@@ -82,7 +79,7 @@ fn sphere_distance(sphere: &Sphere, ray: &Ray, t_max: f32) -> Option<f64> {
     // The foot of the perpendicular from the centre: its distance from the centre decides, without cancellation.
     let foot = offset + direction * (half_b / a);
     let discriminant = radius * radius - foot.length_squared();
-    if !(discriminant >= 0.0) {
+    if discriminant < 0.0 || discriminant.is_nan() {
         return None;
     }
     let power = (offset.length() - radius) * (offset.length() + radius);
@@ -95,11 +92,12 @@ fn sphere_distance(sphere: &Sphere, ray: &Ray, t_max: f32) -> Option<f64> {
 
 fn sphere_hit(sphere: &Sphere, ray: &Ray, t: f64) -> RoundHit {
     let centre = sphere.centre.as_dvec3();
-    let outward = (ray.origin.as_dvec3() - centre + ray.direction.as_dvec3() * t).normalize_or(DVec3::Z);
+    let outward =
+        (ray.origin.as_dvec3() - centre + ray.direction.as_dvec3() * t).normalize_or(DVec3::Z);
     let normal = if sphere.inward { -outward } else { outward };
     let polar = outward.truncate().length().atan2(outward.z) / core::f64::consts::PI;
     let uv = [turn(outward.y, outward.x), polar];
-    RoundHit { t, position: centre + outward * f64::from(sphere.radius), normal, uv }
+    RoundHit { position: centre + outward * f64::from(sphere.radius), normal, uv }
 }
 
 impl Round {
@@ -123,8 +121,12 @@ impl Round {
     /// The axis-aligned box, with a relative margin far above the rounding of its computation.
     pub(super) fn bounds(&self) -> [Vec3A; 2] {
         let (centre, half) = match self {
-            Self::Disk(disk) => (disk.centre, (disk.axes[0].powf(2.0) + disk.axes[1].powf(2.0)).powf(0.5)),
-            Self::Sphere(sphere) => (sphere.centre.as_dvec3(), DVec3::splat(f64::from(sphere.radius))),
+            Self::Disk(disk) => {
+                (disk.centre, (disk.axes[0].powf(2.0) + disk.axes[1].powf(2.0)).powf(0.5))
+            }
+            Self::Sphere(sphere) => {
+                (sphere.centre.as_dvec3(), DVec3::splat(f64::from(sphere.radius)))
+            }
         };
         let half = half * (1.0 + 1e-12);
         let (low, high) = ((centre - half).as_vec3a(), (centre + half).as_vec3a());

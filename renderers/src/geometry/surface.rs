@@ -37,7 +37,8 @@ impl Mesh {
                 fallback[*index as usize] = normal;
             }
         }
-        let smooth = |(sum, face): (&DVec3, &DVec3)| sum.try_normalize().unwrap_or(*face).as_vec3a();
+        let smooth =
+            |(sum, face): (&DVec3, &DVec3)| sum.try_normalize().unwrap_or(*face).as_vec3a();
         self.normals = sums.iter().zip(&fallback).map(smooth).collect();
         self
     }
@@ -88,7 +89,7 @@ impl Parallelogram {
     /// The four corners in order around the edge, rounded once to `f32`: the vertices that rays are tested against.
     #[must_use]
     pub fn corners(&self) -> [Vec3A; 4] {
-        let [p, u, v] = [self.corner, self.edge_u, self.edge_v].map(|x| x.as_dvec3());
+        let [p, u, v] = [self.corner, self.edge_u, self.edge_v].map(Vec3A::as_dvec3);
         [self.corner, (p + u).as_vec3a(), (p + u + v).as_vec3a(), (p + v).as_vec3a()]
     }
 }
@@ -150,7 +151,7 @@ impl Surface {
             Self::Parallelogram(p) => {
                 p.corners().iter().try_for_each(|x| check_coordinates(*x, surface, 0))?;
                 check_area(p.edge_u.as_dvec3(), p.edge_v.as_dvec3(), surface, 0)?;
-                let [a, b, c, d] = p.corners().map(|x| x.as_dvec3());
+                let [a, b, c, d] = p.corners().map(Vec3A::as_dvec3);
                 check_area(b - a, c - a, surface, 0)?;
                 check_area(c - a, d - a, surface, 0)
             }
@@ -163,7 +164,11 @@ impl Surface {
             Self::Sphere(sphere) => {
                 check_coordinates(sphere.centre, surface, 0)?;
                 check_coordinates(Vec3A::splat(sphere.radius), surface, 0)?;
-                if sphere.radius > 0.0 { Ok(()) } else { Err(GeometryError::ZeroArea { surface, element: 0 }) }
+                if sphere.radius > 0.0 {
+                    Ok(())
+                } else {
+                    Err(GeometryError::ZeroArea { surface, element: 0 })
+                }
             }
         }
     }
