@@ -1,8 +1,11 @@
 //! Millions of rays a second, on one thread: closest hit and any hit, by this crate's hierarchy and by obvhs's own
 //! traversals of its binary and its compressed wide hierarchy with its default triangle test.
+//! `cargo bench -p renderers --bench rays`.
 //!
 //! The Cornell box is 36 triangles (6 rectangles and two blocks), the mesh an icosphere of 81 920 triangles and the box
 //! around it. Coherent rays are those of a camera, row by row; random ones go between points in the box.
+
+#![allow(clippy::expect_used, reason = "the scenes are constants")]
 
 fn main() {
     divan::main();
@@ -78,7 +81,7 @@ fn surfaces(scene: Scene) -> Vec<(u32, Surface)> {
     all
 }
 
-/// A sphere of 20·4ⁿ triangles: an octahedron-free subdivision of the icosahedron.
+/// A sphere of 20·4ⁿ triangles: the subdivided icosahedron.
 fn icosphere(centre: Vec3A, radius: f32, levels: u32) -> Mesh {
     let g = (1.0 + 5.0_f32.sqrt()) / 2.0;
     let mut positions: Vec<Vec3A> = [0, 1, 2]

@@ -7,7 +7,7 @@
 
 use core::time::Duration;
 
-use glam::{BVec4A, Vec3A, Vec4};
+use glam::{BVec4A, DVec3, Vec3A, Vec4};
 use obvhs::{BvhBuildParams, aabb::Aabb, bvh2::Bvh2, bvh2::builder::build_bvh2};
 
 use super::packet::{Half, Packet, PacketHit, Pair, Sheared};
@@ -67,8 +67,9 @@ struct Leaf {
 /// What is wanted of a triangle only once it is hit.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Detail {
-    /// Unit normal.
-    pub(super) normal: Vec3A,
+    /// Unit normal n of the plane n·x = `height`.
+    pub(super) normal: DVec3,
+    pub(super) height: f64,
     /// Smallest barycentric weights of a point that is surely off the edges, by its rounding.
     pub(super) least: [f32; 3],
     pub(super) half: Half,
@@ -88,7 +89,8 @@ impl Detail {
         let size = a.abs().max(b.abs()).max(c.abs()).max_element();
         let rounding = 2.0 * f64::from(f32::EPSILON) * size / normal.length();
         let least = [c - b, a - c, b - a].map(|edge| (edge.length() * rounding).min(0.1) as f32);
-        Self { normal: normal.normalize_or_zero().as_vec3a(), least, half: pair.halves[half] }
+        let normal = normal.normalize_or_zero();
+        Self { normal, height: normal.dot((a + b + c) / 3.0), least, half: pair.halves[half] }
     }
 }
 
@@ -497,7 +499,9 @@ impl Collapse<'_> {
         while members.len() < 4 {
             let area = |i: usize| self.binary.nodes[i].aabb().half_area();
             let inner = (0..members.len()).filter(|i| !self.is_leaf(members[*i]));
-            let Some(largest) = inner.max_by(|i, j| area(members[*i]).total_cmp(&area(members[*j]))) else { break };
+            let Some(largest) = inner.max_by(|i, j| area(members[*i]).total_cmp(&area(members[*j]))) else {
+                break;
+            };
             let first = self.binary.nodes[members[largest]].first_index as usize;
             members[largest] = first;
             members.push(first + 1);

@@ -54,7 +54,9 @@ impl fmt::Display for GeometryError {
             Self::BadCoordinate { surface, element } => {
                 write!(f, "surface {surface}, element {element}: a coordinate is not finite or too large")
             }
-            Self::ZeroArea { surface, element } => write!(f, "surface {surface}, element {element}: the area is zero"),
+            Self::ZeroArea { surface, element } => {
+                write!(f, "surface {surface}, element {element}: the area is zero")
+            }
             Self::BadIndex { surface, element } => {
                 write!(f, "surface {surface}, triangle {element}: no such vertex")
             }
@@ -62,11 +64,21 @@ impl fmt::Display for GeometryError {
                 write!(f, "surface {surface}, vertex {element}: the vertex normal is missing, zero or not finite")
             }
             Self::TooManyPrimitives => write!(f, "there are more than 2^31 primitives"),
-            Self::BadImageSize => write!(f, "the image must have 1 to 2^24 pixels in each direction"),
-            Self::BadFieldOfView => write!(f, "the field of view must be between 0 and 180 degrees"),
-            Self::BadCameraTransform => write!(f, "the camera transform must be a rigid motion or a mirrored one"),
-            Self::BadFilterWidth => write!(f, "the width of a reconstruction filter must be positive and finite"),
-            Self::BrokenHierarchy => write!(f, "the bounding-volume hierarchy does not match its primitives"),
+            Self::BadImageSize => {
+                write!(f, "the image must have 1 to 2^24 pixels in each direction")
+            }
+            Self::BadFieldOfView => {
+                write!(f, "the field of view must be between 0 and 180 degrees")
+            }
+            Self::BadCameraTransform => {
+                write!(f, "the camera transform must be a rigid motion or a mirrored one")
+            }
+            Self::BadFilterWidth => {
+                write!(f, "the width of a reconstruction filter must be positive and finite")
+            }
+            Self::BrokenHierarchy => {
+                write!(f, "the bounding-volume hierarchy does not match its primitives")
+            }
         }
     }
 }

@@ -233,7 +233,8 @@ impl Packet {
         // A ray that starts on the triangle hits it only if it enters through its front.
         let within = exact.t > 0.0 || (exact.t == 0.0 && exact.slope < 0.0);
         let t = exact.t.abs() as f32;
-        (within && exact.t < f64::from(t_max)).then_some(PacketHit { t, lane, half, weights: exact.weights })
+        let weights = exact.weights.map(|w| w as f32);
+        (within && exact.t < f64::from(t_max)).then_some(PacketHit { t, lane, half, weights })
     }
 }
 
@@ -272,18 +273,18 @@ impl View {
 }
 
 /// The meeting of a ray with a triangle that it is known to hit, from the vertices in `f64`.
-struct Exact {
+pub(super) struct Exact {
     /// Ray parameter.
     t: f64,
     /// The normal's component along the ray: negative when the ray enters through the front.
     slope: f64,
-    weights: [f32; 3],
+    /// Barycentric weights, none negative, sum 1.
+    pub(super) weights: [f64; 3],
 }
 
 impl Exact {
     /// Weights that rounding made negative are set to zero; a triangle seen exactly edge-on is met at its centroid.
-    #[allow(clippy::cast_possible_truncation, reason = "the weights are wanted in f32")]
-    fn new(ray: &Ray, triangle: [Vec3A; 3]) -> Self {
+    pub(super) fn new(ray: &Ray, triangle: [Vec3A; 3]) -> Self {
         let origin = ray.origin.as_dvec3();
         let direction = ray.direction.as_dvec3();
         let [a, b, c] = triangle.map(|v| v.as_dvec3() - origin);
@@ -295,7 +296,7 @@ impl Exact {
         let weights = if sum > 0.0 { clamped.map(|v| v / sum) } else { [1.0 / 3.0; 3] };
         let offset = a * weights[0] + b * weights[1] + c * weights[2];
         let slope = normal.dot(direction);
-        Self { t: distance(direction, normal.dot(a) / slope, offset), slope, weights: weights.map(|w| w as f32) }
+        Self { t: distance(direction, normal.dot(a) / slope, offset), slope, weights }
     }
 }
 

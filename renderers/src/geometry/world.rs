@@ -1,16 +1,20 @@
 //! The world: every surface of a scene, behind one hierarchy.
 
+use core::cmp::Ordering;
 use core::ops::Range;
 
 use glam::Vec3A;
 
 use super::GeometryError;
 use super::bvh::{Bvh, Item, RawHit};
-use super::packet::{Half, PacketHit, Pair};
+use super::packet::{Exact, Half, PacketHit, Pair};
 use super::pairing::pair_up;
 use super::ray::{Hit, NO_PRIMITIVE, Ray, SurfacePoint};
 use super::round::{DiskFrame, Round};
 use super::surface::{Mesh, Surface};
+
+/// Weights below this many times the smallest allowed are looked at exactly.
+const OFF_EDGES: f32 = 16.0;
 
 /// There may be one less.
 const MOST_PRIMITIVES: u32 = 1 << 31;
@@ -156,12 +160,23 @@ impl World {
     #[allow(clippy::cast_possible_truncation, reason = "the results are wanted in f32")]
     fn refine_triangle(&self, ray: &Ray, packet: u32, hit: &PacketHit) -> Hit {
         let detail = self.bvh.detail(packet, hit);
-        let [a, b, c] = self.bvh.packet(packet).triangle(hit.half, hit.lane).map(Vec3A::as_dvec3);
-        let weights = keep_off_edges(hit.weights, &detail.least);
-        let position = (a + (b - a) * weights[1] + (c - a) * weights[2]).as_vec3a();
+        let (origin, direction) = (ray.origin.as_dvec3(), ray.direction.as_dvec3());
+        let slope = detail.normal.dot(direction);
+        let t = (detail.height - detail.normal.dot(origin)) / slope;
+        let mut distance = t as f32;
+        let mut weights = normalised(hit.weights.map(f32::abs));
+        let mut position = (origin + direction * t).as_vec3a();
+        // Near an edge, or where the plane is seen edge-on, the position is made from vertices.
+        let off_edges = (0..3).all(|i| weights[i] >= OFF_EDGES * detail.least[i]);
+        if !off_edges || (distance - hit.t).abs().partial_cmp(&(1e-3 * hit.t)).is_none_or(Ordering::is_gt) {
+            let triangle = self.bvh.packet(packet).triangle(hit.half, hit.lane);
+            (position, weights) = keep_off_edges(ray, triangle, &detail.least);
+            distance = hit.t;
+        }
         let record = &self.primitives[detail.half.primitive as usize];
         let turn = detail.half.rotation as usize;
-        let weights: [f64; 3] = core::array::from_fn(|i| weights[(i + 3 - turn) % 3]);
+        let geometric_normal = detail.normal.as_vec3a();
+        let weights: [f32; 3] = core::array::from_fn(|i| weights[(i + 3 - turn) % 3]);
         let [_, b, c] = weights;
         let uv = match (record.kind, hit.half) {
             (Kind::Parallelogram, 0) => [b + c, c],
@@ -169,20 +184,20 @@ impl World {
             _ => [b, c],
         };
         let interpolated = |normals: &[Vec3A; 3]| {
-            let sum = (0..3).fold(Vec3A::ZERO, |sum, i| sum + normals[i] * weights[i] as f32);
-            sum.normalize_or(detail.normal)
+            let sum = (0..3).fold(Vec3A::ZERO, |sum, i| sum + normals[i] * weights[i]);
+            sum.normalize_or(geometric_normal)
         };
-        let shading_normal = self.vertex_normals.get(record.normals as usize).map_or(detail.normal, interpolated);
+        let shading_normal = self.vertex_normals.get(record.normals as usize).map_or(geometric_normal, interpolated);
         Hit {
-            t: hit.t,
+            t: distance,
             primitive: detail.half.primitive,
             shape: record.shape,
             position,
             error: rounding(position),
-            geometric_normal: detail.normal,
+            geometric_normal,
             shading_normal,
-            uv: uv.map(|x| x.clamp(0.0, 1.0) as f32),
-            front: detail.normal.dot(ray.direction) < 0.0,
+            uv: uv.map(|x: f32| x.clamp(0.0, 1.0)),
+            front: slope < 0.0,
             planar: true,
         }
     }
@@ -213,18 +228,23 @@ fn rounding(position: Vec3A) -> f32 {
     f32::EPSILON * position.abs().max_element()
 }
 
-/// The normalised weights of a point that is moved off the edges if it is nearer to one than the rounding of its `f32`
-/// coordinates: so it is on the right side of what stands on the edge.
-fn keep_off_edges(weights: [f32; 3], least: &[f32; 3]) -> [f64; 3] {
-    let weights = weights.map(|w| f64::from(w.abs()));
-    let scale = 1.0 / weights.iter().sum::<f64>();
-    let normalised = weights.map(|w| w * scale);
-    if (0..3).all(|i| normalised[i] >= f64::from(least[i])) {
-        return normalised;
-    }
-    let raised: [f64; 3] = core::array::from_fn(|i| normalised[i].max(f64::from(least[i])));
-    let sum: f64 = raised.iter().sum();
-    raised.map(|w| w / sum)
+fn normalised(weights: [f32; 3]) -> [f32; 3] {
+    let scale = 1.0 / (weights[0] + weights[1] + weights[2]);
+    weights.map(|w| w * scale)
+}
+
+/// The meeting point and its weights, moved off the edges of a triangle if it is nearer to one than the rounding of
+/// `f32` coordinates: so it is on the right side of what stands on the edge.
+#[cold]
+#[inline(never)]
+#[allow(clippy::cast_possible_truncation, reason = "the results are wanted in f32")]
+fn keep_off_edges(ray: &Ray, triangle: [Vec3A; 3], least: &[f32; 3]) -> (Vec3A, [f32; 3]) {
+    let exact = Exact::new(ray, triangle).weights;
+    let raised: [f64; 3] = core::array::from_fn(|i| exact[i].max(f64::from(least[i])));
+    let scale = 1.0 / raised.iter().sum::<f64>();
+    let weights = raised.map(|w| w * scale);
+    let [a, b, c] = triangle.map(Vec3A::as_dvec3);
+    ((a + (b - a) * weights[1] + (c - a) * weights[2]).as_vec3a(), weights.map(|w| w as f32))
 }
 
 /// The parts of a world under construction.
@@ -248,8 +268,12 @@ impl Parts {
                 self.items.push(Item::Triangles(pair));
                 self.primitives.push(Primitive { shape, normals: NO_PRIMITIVE, kind: Kind::Parallelogram, area });
             }
-            Surface::Disk(disk) => self.add_round(shape, Round::Disk(DiskFrame::new(disk)), Kind::Disk, start),
-            Surface::Sphere(sphere) => self.add_round(shape, Round::Sphere(*sphere), Kind::Sphere, start),
+            Surface::Disk(disk) => {
+                self.add_round(shape, Round::Disk(DiskFrame::new(disk)), Kind::Disk, start);
+            }
+            Surface::Sphere(sphere) => {
+                self.add_round(shape, Round::Sphere(*sphere), Kind::Sphere, start);
+            }
         }
         self.ranges.push(start..self.next()?);
         Ok(())
