@@ -216,8 +216,7 @@ mod tests {
         let (mut fair, mut skewed) = ([0_u64; 50], [0_u64; 50]);
         for _ in 0..100_000 {
             let x = rng.unit();
-            let cell =
-                |x: f64| (0..49).find(|i| x < f64::from(i + 1) / 50.0).unwrap_or(49) as usize;
+            let cell = |x: f64| (0..49_u8).filter(|i| x >= f64::from(i + 1) / 50.0).count();
             fair[cell(x)] += 1;
             skewed[cell(x.powf(1.05))] += 1;
         }
