@@ -1,3 +1,6 @@
 //! Oracles and statistics shared by the tests; nothing in the workspace depends on this crate.
 
+pub mod certify;
+pub mod dense;
+pub mod generators;
 pub mod tables;
