@@ -35,7 +35,7 @@ pub fn delta_e_bound<R: Real>(xyz: [R; 3], radius: [R; 3], white: [R; 3]) -> Col
         centre[a] = lab_f(xyz[a] * inverse);
         down[a] = low - centre[a];
         up[a] = high - centre[a];
-        size[a] = low.abs().max(high.abs());
+        size[a] = low.abs().max(high.abs()).max(lab_offset());
         slope[a] = lab_slope(centre[a]) * inverse;
     }
     let [lightness, red_green, yellow_blue] = LAB_SCALE.map(R::from_f64);
@@ -55,7 +55,7 @@ pub fn delta_e_bound<R: Real>(xyz: [R; 3], radius: [R; 3], white: [R; 3]) -> Col
     let b = square(yellow_blue) * (u[1] + u[2]);
     let gradient = [slope[0] * a, slope[1] * (square(lightness) * u[1] + a + b), slope[2] * b];
     // The sum also meets a NaN that comparisons have let slip.
-    let certain = (delta_e + rounding).is_finite() && white.iter().all(|w| *w > R::ZERO);
+    let certain = (delta_e + rounding).is_finite() && is_white(white);
     ColourBound { delta_e: if certain { delta_e } else { R::INFINITY }, gradient }
 }
 
@@ -73,7 +73,7 @@ pub fn delta_e_majorant<R: Real>(xyz: [R; 3], radius: [R; 3], white: [R; 3]) -> 
         let centre = lab_f(xyz[a] * inverse);
         let low = lab_f((xyz[a] - reach) * inverse);
         fall[a] = centre - low;
-        size[a] = centre.abs().max(low.abs());
+        size[a] = centre.abs().max(low.abs()).max(lab_offset());
     }
     let [lightness, red_green, yellow_blue] = LAB_SCALE.map(R::from_f64);
     let [x, y, z] = fall;
@@ -84,7 +84,19 @@ pub fn delta_e_majorant<R: Real>(xyz: [R; 3], radius: [R; 3], white: [R; 3]) -> 
         lightness * size[1] + red_green * (size[0] + size[1]) + yellow_blue * (size[1] + size[2]);
     let bound = largest * (R::ONE + R::from_f64(8.0) * R::EPSILON)
         + R::from_f64(8.0) * R::EPSILON * rounding;
-    if bound.is_finite() && white.iter().all(|w| *w > R::ZERO) { bound } else { R::INFINITY }
+    if bound.is_finite() && is_white(white) { bound } else { R::INFINITY }
+}
+
+/// Whether all tristimulus values are positive and finite.
+#[inline]
+fn is_white<R: Real>(white: [R; 3]) -> bool {
+    white.iter().all(|w| *w > R::ZERO && w.is_finite())
+}
+
+/// f(0) = 4/29: f's rounding error is relative to at least this much, also where f vanishes, at negative values.
+#[inline]
+fn lab_offset<R: Real>() -> R {
+    R::from_f64(4.0 / 29.0)
 }
 
 #[inline]

@@ -1,6 +1,7 @@
 //! Exact integrals of piecewise linear functions, up to rounding: the walk over the pieces that a spectrum and the
 //! colour-matching functions share.
 
+use crate::spectrum::interpolate;
 use crate::{Observer, Real, Spectrum};
 
 /// A running sum with Neumaier's compensation: the result is within 2 ulp of the exact sum of the rounded terms as long
@@ -84,10 +85,10 @@ impl<R: Real> Piece<R> {
         (left + right) * self.width / R::from_f64(6.0)
     }
 
-    /// ∫ (S − centre)² ā.
-    pub(crate) fn square(&self, a: usize, centre: R) -> R {
-        let first = self.value[0] - centre;
-        let last = self.value[1] - centre;
+    /// ∫ ((S − centre) / unit)² ā: with a unit of S's size, squares neither overflow nor underflow.
+    pub(crate) fn square(&self, a: usize, centre: R, unit: R) -> R {
+        let first = (self.value[0] - centre) / unit;
+        let last = (self.value[1] - centre) / unit;
         let [a0, a1] = self.channel(a);
         let three = R::from_f64(3.0);
         let sum = first * first * (three * a0 + a1)
@@ -113,8 +114,8 @@ pub(crate) fn for_each_piece<R: Real, S: Spectrum<R> + ?Sized>(
         let end = to.min(segment.end).min(cell_end);
         let at = |wavelength: R| {
             if segment.end.is_finite() {
-                let t = (wavelength - start) / (segment.end - start);
-                segment.first * (R::ONE - t) + segment.last * t
+                let (below, above) = (wavelength - start, segment.end - wavelength);
+                interpolate(segment.first, segment.last, below, above)
             } else {
                 segment.first
             }

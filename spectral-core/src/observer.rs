@@ -1,6 +1,7 @@
 //! Colour-matching functions.
 
 use crate::Real;
+use crate::spectrum::interpolate;
 use crate::tables::{ObserverTable, observers};
 
 /// The colour-matching functions x̄, ȳ, z̄ of an observer, linear between equidistant nodes and 0 outside them.
@@ -15,7 +16,8 @@ pub struct Observer<'a, R> {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum ObserverError {
-    /// The first wavelength is not finite, or the step is not a positive finite number.
+    /// The first or last wavelength is not finite, or the step is not positive and finite, or too small to tell the nodes apart in
+    /// the number type.
     Grid,
     /// There are fewer than two nodes.
     Length,
@@ -59,17 +61,29 @@ impl<'a, R: Real> Observer<'a, R> {
         if nodes.len() < 2 {
             return Err(ObserverError::Length);
         }
+        let observer = Self { first, step, nodes };
+        // Two roundings a node: distinct, and `cell` guesses within one node, when a step is several ULPs.
+        let coarsest = first.abs().max(observer.last().abs()) * R::EPSILON;
+        if !(step >= coarsest * R::from_usize(4)) {
+            return Err(ObserverError::Grid);
+        }
         for (index, node) in nodes.iter().enumerate() {
             if let Some(channel) = node.iter().position(|v| !(v.is_finite() && *v >= R::ZERO)) {
                 return Err(ObserverError::Value { channel, index });
             }
         }
-        Ok(Self { first, step, nodes })
+        Ok(observer)
     }
 
     /// The wavelength of the last node.
     fn last(&self) -> R {
-        self.first + self.step * R::from_usize(self.nodes.len().saturating_sub(1))
+        self.wavelength(self.nodes.len().saturating_sub(1))
+    }
+
+    /// The wavelength of a node.
+    #[inline]
+    fn wavelength(&self, index: usize) -> R {
+        self.first + self.step * R::from_usize(index)
     }
 
     /// The colour-matching functions at the node `index`; zeros outside the table.
@@ -86,22 +100,23 @@ impl<'a, R: Real> Observer<'a, R> {
         let inside = wavelength >= self.first && wavelength < self.last();
         let (end, start, nodes) = if inside {
             let mut index = ((wavelength - self.first) / self.step).to_usize();
-            let mut end = self.first + self.step * R::from_usize(index + 1);
-            if end <= wavelength {
-                // The quotient was rounded down across the node.
+            // The quotient may have been rounded across a node.
+            if index > 0 && self.wavelength(index) > wavelength {
+                index -= 1;
+            } else if self.wavelength(index + 1) <= wavelength {
                 index += 1;
-                end = self.first + self.step * R::from_usize(index + 1);
             }
-            (end, end - self.step, [self.node(index), self.node(index + 1)])
+            let nodes = [self.node(index), self.node(index + 1)];
+            (self.wavelength(index + 1), self.wavelength(index), nodes)
         } else {
             let end = if wavelength < self.first { self.first } else { R::INFINITY };
-            (end, self.first, [[R::ZERO; 3]; 2])
+            // Nothing is interpolated outside: any start serves.
+            (end, wavelength, [[R::ZERO; 3]; 2])
         };
-        let step = self.step;
         let at = move |position: R| {
             let [first, second] = nodes;
-            let t = ((position - start) / step).clamp(R::ZERO, R::ONE);
-            core::array::from_fn(|a| first[a] * (R::ONE - t) + second[a] * t)
+            let (below, above) = (position - start, end - position);
+            core::array::from_fn(|a| interpolate(first[a], second[a], below, above))
         };
         (end, at)
     }

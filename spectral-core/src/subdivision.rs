@@ -13,7 +13,7 @@ pub struct Stage<R> {
     pub xyz: [R; 3],
     /// How far each may be off at scale 1.
     pub radius: [R; 3],
-    /// The largest scale at which the bound is at or under the threshold.
+    /// The largest scale at which the bound is at or under the threshold; negative when there is none.
     pub max_scale: R,
 }
 
@@ -140,16 +140,16 @@ fn max_scale<R: Real>(xyz: [R; 3], radius: [R; 3], white: [R; 3], threshold: R) 
         });
         delta_e_majorant(scaled, reach, white) <= threshold
     };
-    let limit = R::MAX.sqrt().sqrt();
-    if enough(limit) {
-        return R::MAX;
+    let (mut low, mut high) = (R::MIN_POSITIVE, R::MAX);
+    if enough(high) {
+        return high;
     }
-    let (mut low, mut high) = (R::ONE / limit, limit);
     if !enough(low) {
-        return R::ZERO;
+        return if enough(R::ZERO) { R::ZERO } else { -R::ONE };
     }
     for _ in 0..48 {
-        let middle = (low * high).sqrt();
+        // Of numbers far apart, the product may overflow or underflow.
+        let middle = low.sqrt() * high.sqrt();
         if enough(middle) {
             low = middle;
         } else {

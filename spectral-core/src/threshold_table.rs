@@ -73,7 +73,7 @@ impl<'a, R: Real> ThresholdTable<'a, R> {
     #[inline]
     pub fn accepts(&self, xyz: [R; 3], radius: [R; 3]) -> bool {
         let tolerance = self.tolerance(xyz);
-        (0..3).all(|a| radius[a] * self.inverse_white[a] <= tolerance)
+        (0..3).all(|a| radius[a] * self.inverse_white[a] <= tolerance && xyz[a].is_finite())
     }
 }
 

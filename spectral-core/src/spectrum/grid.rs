@@ -36,12 +36,22 @@ impl<R: Real> Place<R> {
             Self::Above => flat(R::INFINITY, count.saturating_sub(1)),
             Self::Between { index, start, end } => {
                 let (first, last) = (value(index), value(index + 1));
-                // Exact at the start, and for equal values everywhere.
-                let first = first + (last - first) * ((wavelength - start) / (end - start));
+                let first = interpolate(first, last, wavelength - start, end - wavelength);
                 Segment { end, first, last }
             }
         }
     }
+}
+
+/// The value between `first` and `last` at distances `below` from the one and `above` from the other.
+///
+/// Reckoned from the nearer end: exact at both ends and between equal values, and as accurate relative to the result
+/// as to the ends when neither is negative.
+#[inline]
+pub(crate) fn interpolate<R: Real>(first: R, last: R, below: R, above: R) -> R {
+    let (near, far, part) =
+        if below <= above { (first, last, below) } else { (last, first, above) };
+    near + (far - near) * (part / (below + above))
 }
 
 /// Nodes at equal steps: node i is `first` + i · `step`.

@@ -1,5 +1,6 @@
 //! Black bodies.
 
+use super::grid::interpolate;
 use super::{Segment, Spectrum, SpectrumError};
 use crate::Real;
 
@@ -99,6 +100,6 @@ impl<R: Real> Spectrum<R> for Planck<R> {
         let start = wavelength.floor();
         let end = start + R::ONE;
         let (first, last) = (self.radiance(start), self.radiance(end));
-        Segment { end, first: first + (last - first) * (wavelength - start), last }
+        Segment { end, first: interpolate(first, last, wavelength - start, end - wavelength), last }
     }
 }
