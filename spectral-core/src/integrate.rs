@@ -73,7 +73,8 @@ impl<R: Real> Piece<R> {
         let first = self.value[0] - centre;
         let last = self.value[1] - centre;
         let [w0, w1] = self.weights(a);
-        if first * last >= R::ZERO {
+        // By signs: the product of small numbers underflows.
+        if (first >= R::ZERO) == (last >= R::ZERO) {
             return (first * w0 + last * w1).abs();
         }
         // The difference changes sign inside: two triangles, each against a linear weight.

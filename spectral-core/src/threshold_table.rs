@@ -20,7 +20,7 @@ pub struct ThresholdTable<'a, R> {
 
 impl<'a, R: Real> ThresholdTable<'a, R> {
     /// Fills the caller's `buffer` of at least `cells_per_side`³ entries for a threshold in ΔE*ab; `None` when it is smaller,
-    /// `cells_per_side` is 0, or `white` is not positive and finite.
+    /// `cells_per_side` is 0, `threshold` is negative or NaN, or `white` is not positive and finite.
     pub fn build(
         cells_per_side: usize,
         threshold: R,
@@ -28,7 +28,8 @@ impl<'a, R: Real> ThresholdTable<'a, R> {
         buffer: &'a mut [R],
     ) -> Option<Self> {
         let count = cells_per_side.checked_mul(cells_per_side)?.checked_mul(cells_per_side)?;
-        if cells_per_side == 0 || !white.iter().all(|w| *w > R::ZERO && w.is_finite()) {
+        let positive = white.iter().all(|w| *w > R::ZERO && w.is_finite());
+        if cells_per_side == 0 || !positive || !(threshold >= R::ZERO) {
             return None;
         }
         let cells = buffer.get_mut(..count)?;

@@ -4,6 +4,7 @@
 //! there is no other tolerance. In `f32` that error is negligible; in `f64` it is of the size of the core's margins for rounding.
 
 use core::fmt;
+use core::ops::Range;
 use std::collections::BTreeMap;
 
 use spectral_core::adaptive::{Mode, Piece, Status, Target, evaluate, evaluate_by_table};
@@ -18,10 +19,10 @@ use crate::generators::{Draw, Expression, MAX_FACTORS, Palette, expression};
 
 /// The deepest level of the spectra.
 const DEPTH: u8 = 10;
-/// How many cases share random spectra and tables of thresholds.
-const BATCH: u64 = 2048;
+/// How many cases share random spectra and a table of thresholds.
+const BATCH: u64 = 8192;
 /// How many random lights and reflectances a batch has.
-const RANDOM_SPECTRA: usize = 12;
+const RANDOM_SPECTRA: usize = 16;
 /// How many intervals an evaluation may use.
 const PIECES: usize = 160;
 /// Each of the costlier checks is made for one case of so many.
@@ -107,26 +108,12 @@ pub fn run<R: Real>(seed: u64, cases: u64, mode: Mode) -> Result<Tally, String> 
         palette,
         rules: Vec::new(),
         mode,
-        tables: Vec::new(),
         tally: Tally::default(),
     };
-    for case in 0..cases {
-        if case % BATCH == 0 {
-            trial.redraw(&mut Draw::new(seed ^ (case << 20)))?;
-        }
-        // Seeds apart, so that the sequences of neighbouring cases don't overlap.
-        let mut draw = Draw::new(Draw::new(seed.wrapping_add(case)).bits());
-        trial.case(&mut draw, &format!("seed {seed}, case {case}"))?;
+    for first in (0..cases).step_by(usize::try_from(BATCH).unwrap_or(1)) {
+        trial.batch(seed, first..cases.min(first + BATCH))?;
     }
     Ok(trial.tally)
-}
-
-/// A table of thresholds with its white and buffer.
-struct Cells<R> {
-    cells: Vec<R>,
-    side: usize,
-    threshold: R,
-    white: [R; 3],
 }
 
 struct Trial<'a, R> {
@@ -136,7 +123,6 @@ struct Trial<'a, R> {
     /// The palette on quadratures of increasing numbers of points.
     rules: Vec<Dense>,
     mode: Mode,
-    tables: Vec<Cells<R>>,
     tally: Tally,
 }
 
@@ -165,22 +151,24 @@ impl<R: Real> Trial<'_, R> {
         let truths: Vec<_> = self.palette.spectra().iter().map(|s| &s.truth).collect();
         let rule = |points| Dense::new(&self.observer, &truths, [380.0, 780.0], points);
         self.rules = [2, 3, MAX_FACTORS.div_ceil(2) + 1].map(rule).into();
-        self.tables.clear();
-        for _ in 0..2 {
-            let white = self.truth(&[Op::Leaf(draw.pick(self.palette.lights()).unwrap_or(0))], 1);
-            let side = draw.index(1..9);
-            let threshold = R::from_f64(draw.magnitude(0.05, 10.0));
-            let white = self.white_or_d65(white.xyz.map(R::from_f64));
-            self.tables.push(Cells {
-                cells: vec![R::ZERO; side * side * side],
-                side,
-                threshold,
-                white,
-            });
-        }
-        for table in &mut self.tables {
-            ThresholdTable::build(table.side, table.threshold, table.white, &mut table.cells)
-                .ok_or("a table of thresholds was refused")?;
+        Ok(())
+    }
+
+    /// Evaluates the cases of these numbers, with random spectra and a table of thresholds of their own.
+    fn batch(&mut self, seed: u64, cases: Range<u64>) -> Result<(), String> {
+        let mut draw = Draw::new(seed ^ (cases.start << 20));
+        self.redraw(&mut draw)?;
+        let light = draw.pick(self.palette.lights()).unwrap_or(0);
+        let white = self.white_or_d65(self.truth(&[Op::Leaf(light)], 1).xyz.map(R::from_f64));
+        let side = draw.index(1..9);
+        let threshold = R::from_f64(draw.magnitude(0.05, 10.0));
+        let mut cells = vec![R::ZERO; side * side * side];
+        let table = ThresholdTable::build(side, threshold, white, &mut cells)
+            .ok_or("a table of thresholds was refused")?;
+        for case in cases {
+            // Seeds apart, so that the sequences of neighbouring cases don't overlap.
+            let mut draw = Draw::new(Draw::new(seed.wrapping_add(case)).bits());
+            self.case(&mut draw, &format!("seed {seed}, case {case}"), (&table, white))?;
         }
         Ok(())
     }
@@ -212,7 +200,12 @@ impl<R: Real> Trial<'_, R> {
         self.white_or_d65(white.map(|w| R::from_f64(w * scale)))
     }
 
-    fn case(&mut self, draw: &mut Draw<'_>, label: &str) -> Result<(), String> {
+    fn case(
+        &mut self,
+        draw: &mut Draw<'_>,
+        label: &str,
+        table: (&ThresholdTable<'_, R>, [R; 3]),
+    ) -> Result<(), String> {
         let expression = expression(draw, &self.palette);
         let truth = self.truth(&expression.ops, expression.factors);
         let case = Case {
@@ -229,7 +222,7 @@ impl<R: Real> Trial<'_, R> {
             match draw.index(0..EVERY) {
                 0 => self.interval(draw, &case)?,
                 1 => self.subdivision(draw, &case)?,
-                2 => self.table(draw, &case)?,
+                2 => self.table(draw, &case, table)?,
                 _ => {}
             }
         }
@@ -323,6 +316,10 @@ impl<R: Real> Trial<'_, R> {
         if !(found.low.to_f64() <= low + doubt && found.high.to_f64() >= high - doubt) {
             failed.push("range".to_owned());
         }
+        let mean = found.mean.to_f64();
+        if !(found.deviation().to_f64() >= (high - mean).max(mean - low) - 2.0 * doubt) {
+            failed.push("deviation".to_owned());
+        }
         let finite = found.radius.iter().all(|r| r.is_finite());
         self.tally.check("interval", failed.is_empty() || !finite, || {
             case.describe(&format!(
@@ -399,11 +396,13 @@ impl<R: Real> Trial<'_, R> {
     }
 
     /// What the table of thresholds accepts is within its threshold.
-    fn table(&mut self, draw: &mut Draw<'_>, case: &Case<'_, R>) -> Result<(), String> {
-        let which = draw.index(0..self.tables.len());
-        let Cells { side, threshold, white, ref mut cells } = self.tables[which];
-        let table = ThresholdTable::build(side, threshold, white, cells)
-            .ok_or("a table of thresholds was refused")?;
+    fn table(
+        &mut self,
+        draw: &mut Draw<'_>,
+        case: &Case<'_, R>,
+        (table, white): (&ThresholdTable<'_, R>, [R; 3]),
+    ) -> Result<(), String> {
+        let threshold = table.threshold();
         // Bring the colour to some luminance in terms of the table's white.
         let luminance = draw.magnitude(1e-3, 3.0) * white[1].to_f64();
         let scale = R::from_f64(luminance / case.truth.xyz[1]);
@@ -421,7 +420,7 @@ impl<R: Real> Trial<'_, R> {
             &program,
             domain,
             mode,
-            &table,
+            table,
             &mut &self.palette,
             &mut stack,
             &mut pieces,

@@ -246,8 +246,11 @@ impl Dense {
         for op in ops {
             match *op {
                 Op::Leaf(id) | Op::Deferred(id) => {
+                    stack.push([0.0; BLOCK]);
                     let values = &self.values[id as usize][start..start + BLOCK];
-                    stack.push(core::array::from_fn(|k| values[k]));
+                    if let Some(top) = stack.last_mut() {
+                        top.copy_from_slice(values);
+                    }
                 }
                 Op::Scale(factor) => {
                     let factor = factor.to_f64();
@@ -337,14 +340,17 @@ impl Dense {
 }
 
 fn each(stack: &mut [[f64; BLOCK]], f: impl Fn(f64) -> f64) {
-    if let Some(top) = stack.last_mut() {
-        *top = top.map(f);
+    for value in stack.last_mut().into_iter().flatten() {
+        *value = f(*value);
     }
 }
 
 fn both(stack: &mut Vec<[f64; BLOCK]>, f: impl Fn(f64, f64) -> f64) {
-    if let (Some(right), Some(left)) = (stack.pop(), stack.last_mut()) {
-        *left = core::array::from_fn(|k| f(left[k], right[k]));
+    if let [.., left, right] = stack.as_mut_slice() {
+        for (a, b) in zip(left, right) {
+            *a = f(*a, *b);
+        }
+        stack.pop();
     }
 }
 
