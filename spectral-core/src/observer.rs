@@ -64,7 +64,7 @@ impl<'a, R: Real> Observer<'a, R> {
         let observer = Self { first, step, nodes };
         // Two roundings a node: distinct, and `cell` guesses within one node, when a step is several ULPs.
         let coarsest = first.abs().max(observer.last().abs()) * R::EPSILON;
-        if !(step >= coarsest * R::from_usize(4)) {
+        if step < coarsest * R::from_usize(4) {
             return Err(ObserverError::Grid);
         }
         for (index, node) in nodes.iter().enumerate() {

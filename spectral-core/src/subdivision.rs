@@ -2,7 +2,7 @@
 
 use crate::Real;
 use crate::adaptive::{Criterion, Mode, Piece, Status, Total, refine};
-use crate::bound::{ColourBound, delta_e_bound, delta_e_majorant};
+use crate::bound::{ColourBound, delta_e_bound, delta_e_majorant, delta_e_majorant_up_to};
 use crate::expression::{ExpressionError, Program, Sources};
 use crate::interval::{Domain, Interval, Weight};
 
@@ -141,7 +141,7 @@ fn max_scale<R: Real>(xyz: [R; 3], radius: [R; 3], white: [R; 3], threshold: R) 
                 + R::from_f64(4.0) * R::EPSILON * scaled[a].abs()
                 + R::from_f64(4.0) * R::MIN_POSITIVE
         });
-        delta_e_majorant(scaled, reach, white) <= threshold
+        delta_e_majorant_up_to(scaled, reach, white) <= threshold
     };
     let (mut low, mut high) = (R::MIN_POSITIVE, R::MAX);
     if enough(high) {

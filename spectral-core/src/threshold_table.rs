@@ -29,7 +29,8 @@ impl<'a, R: Real> ThresholdTable<'a, R> {
     ) -> Option<Self> {
         let count = cells_per_side.checked_mul(cells_per_side)?.checked_mul(cells_per_side)?;
         let positive = white.iter().all(|w| *w > R::ZERO && w.is_finite());
-        if cells_per_side == 0 || !positive || !(threshold >= R::ZERO) {
+        let defined = threshold >= R::ZERO;
+        if cells_per_side == 0 || !positive || !defined {
             return None;
         }
         let cells = buffer.get_mut(..count)?;

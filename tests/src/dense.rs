@@ -324,11 +324,11 @@ impl Dense {
             value_error: largest * Self::roundings(ops) * UNIT,
             ..Moments::default()
         };
-        for a in 0..3 {
+        // Relative to the largest value, so that squares don't underflow.
+        let unit = if largest > 0.0 { largest } else { 1.0 };
+        for (a, weights) in self.weights.iter().enumerate() {
             let mean = if weight[a] > 0.0 { integral.xyz[a] / weight[a] } else { 0.0 };
-            let deviations = || zip(&values, &self.weights[a]).map(|(v, w)| (v - mean, *w));
-            // Relative to the largest value, so that squares don't underflow.
-            let unit = if largest > 0.0 { largest } else { 1.0 };
+            let deviations = || zip(&values, weights).map(|(v, w)| (v - mean, *w));
             let squares = compensated(deviations().map(|(d, w)| (d / unit) * (d / unit) * w));
             moments.norm[a] = squares.sqrt() * unit;
             let terms: Vec<f64> = deviations().map(|(d, w)| d * w).collect();

@@ -209,11 +209,8 @@ impl<R: Real> Palette<R> {
             .map_err(|error| format!("{name}: {error}: {truth:?}"))?;
         let id = u32::try_from(self.spectra.len()).map_err(|_| "too many spectra")?;
         self.spectra.push(Stored { name: name.to_owned(), truth, intervals });
-        if light {
-            self.lights.push(id)
-        } else {
-            self.reflectances.push(id)
-        }
+        let family = if light { &mut self.lights } else { &mut self.reflectances };
+        family.push(id);
         Ok(())
     }
 

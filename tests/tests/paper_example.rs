@@ -1,4 +1,5 @@
 //! Iehl and Péroche's own example, and the tristimulus values of lights whose white points are published.
+#![allow(clippy::unwrap_used, reason = "a test stops at the first thing that should not be")]
 
 use spectral_core::adaptive::{Evaluation, Mode, Piece, Target, evaluate};
 use spectral_core::expression::{Op, Program};
