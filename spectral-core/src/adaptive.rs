@@ -123,13 +123,7 @@ enum Step {
 ///
 /// `met` tells whether a radius meets the threshold: once the pieces at the deepest level alone exceed it and the others count
 /// for less than a quarter of them, more pieces would not be worth their cost.
-fn choose<R: Real>(
-    pieces: &[Piece<R>],
-    gradient: [R; 3],
-    depth: u8,
-    room: bool,
-    met: impl Fn([R; 3]) -> bool,
-) -> Step {
+fn choose<R: Real>(pieces: &[Piece<R>], gradient: [R; 3], depth: u8, room: bool, met: impl Fn([R; 3]) -> bool) -> Step {
     let mut best = None;
     let mut most = R::ZERO;
     let (mut fixed, mut free) = (R::ZERO, R::ZERO);
@@ -223,20 +217,12 @@ pub(crate) fn refine<R: Real>(
         let step = if reached {
             Step::Stop(Status::Reached)
         } else {
-            choose(used, gradient, domain.depth(), count < pieces.len(), |r| {
-                criterion.met(sum.xyz, r)
-            })
+            choose(used, gradient, domain.depth(), count < pieces.len(), |r| criterion.met(sum.xyz, r))
         };
         let place = match step {
             Step::Split(place) => place,
             Step::Stop(status) => {
-                return Ok(Evaluation {
-                    xyz: sum.xyz,
-                    radius: sum.radius,
-                    delta_e,
-                    intervals: count,
-                    status,
-                });
+                return Ok(Evaluation { xyz: sum.xyz, radius: sum.radius, delta_e, intervals: count, status });
             }
         };
         let halves = used.get(place).and_then(|p| p.node.children());
@@ -270,13 +256,7 @@ pub fn evaluate<R: Real, S: Sources<R> + ?Sized>(
     pieces: &mut [Piece<R>],
 ) -> Result<Evaluation<R>, ExpressionError> {
     let order = target.mode.order();
-    refine(
-        target.mode,
-        domain,
-        pieces,
-        |node, weight| program.evaluate(node, weight, order, sources, stack),
-        target,
-    )
+    refine(target.mode, domain, pieces, |node, weight| program.evaluate(node, weight, order, sources, stack), target)
 }
 
 /// As [`evaluate`], with the paper's table of tolerances in XYZ (A.3) instead of the bound in CIELAB: no cube root is taken.
@@ -297,11 +277,5 @@ pub fn evaluate_by_table<R: Real, S: Sources<R> + ?Sized>(
 ) -> Result<Evaluation<R>, ExpressionError> {
     let order = mode.order();
     let criterion = ByTable { table };
-    refine(
-        mode,
-        domain,
-        pieces,
-        |node, weight| program.evaluate(node, weight, order, sources, stack),
-        criterion,
-    )
+    refine(mode, domain, pieces, |node, weight| program.evaluate(node, weight, order, sources, stack), criterion)
 }

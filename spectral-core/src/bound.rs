@@ -49,8 +49,7 @@ pub fn delta_e_bound<R: Real>(xyz: [R; 3], radius: [R; 3], white: [R; 3]) -> Col
         square(lightness * y) + square(red_green * x) + square(yellow_blue * z)
     };
     let largest = corner(down[1]).max(corner(up[1])).sqrt();
-    let rounding =
-        lightness * size[1] + red_green * (size[0] + size[1]) + yellow_blue * (size[1] + size[2]);
+    let rounding = lightness * size[1] + red_green * (size[0] + size[1]) + yellow_blue * (size[1] + size[2]);
     let margin = R::from_f64(ROUNDING) * R::EPSILON;
     let delta_e = largest * (R::ONE + margin) + margin * rounding;
 
@@ -92,11 +91,8 @@ fn majorant<R: Real>(xyz: [R; 3], radius: [R; 3], white: [R; 3], rounding: f64) 
     }
     let [lightness, red_green, yellow_blue] = LAB_SCALE.map(R::from_f64);
     let [x, y, z] = fall;
-    let largest =
-        (square(lightness * y) + square(red_green * (x + y)) + square(yellow_blue * (y + z)))
-            .sqrt();
-    let total =
-        lightness * size[1] + red_green * (size[0] + size[1]) + yellow_blue * (size[1] + size[2]);
+    let largest = (square(lightness * y) + square(red_green * (x + y)) + square(yellow_blue * (y + z))).sqrt();
+    let total = lightness * size[1] + red_green * (size[0] + size[1]) + yellow_blue * (size[1] + size[2]);
     let bound = largest * (R::ONE + margin) + margin * total;
     if bound.is_finite() && is_white(white) { bound } else { R::INFINITY }
 }

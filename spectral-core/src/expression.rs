@@ -167,20 +167,15 @@ impl<'a, R: Real> Program<'a, R> {
         let mut top = 0_usize;
         for op in self.ops {
             let (place, value) = match *op {
-                Op::Leaf(id) => {
-                    (top, *sources.leaf(id, node).ok_or(ExpressionError::MissingSource { id })?)
-                }
-                Op::Deferred(id) => {
-                    (top, sources.deferred(id, node).ok_or(ExpressionError::MissingSource { id })?)
-                }
+                Op::Leaf(id) => (top, *sources.leaf(id, node).ok_or(ExpressionError::MissingSource { id })?),
+                Op::Deferred(id) => (top, sources.deferred(id, node).ok_or(ExpressionError::MissingSource { id })?),
                 Op::Scale(_) | Op::Schlick(_) => {
                     let place = top.checked_sub(1).ok_or(small)?;
                     (place, unary(*op, stack.get(place).ok_or(small)?, weight, order))
                 }
                 Op::Sum | Op::Product => {
                     let place = top.checked_sub(2).ok_or(small)?;
-                    let (left, right) =
-                        (stack.get(place).ok_or(small)?, stack.get(place + 1).ok_or(small)?);
+                    let (left, right) = (stack.get(place).ok_or(small)?, stack.get(place + 1).ok_or(small)?);
                     (place, binary(*op, left, right, weight, order))
                 }
             };
@@ -192,12 +187,7 @@ impl<'a, R: Real> Program<'a, R> {
 }
 
 #[inline]
-fn unary<R: Real>(
-    op: Op<R>,
-    operand: &Interval<R>,
-    weight: &Weight<R>,
-    order: Order,
-) -> Interval<R> {
+fn unary<R: Real>(op: Op<R>, operand: &Interval<R>, weight: &Weight<R>, order: Order) -> Interval<R> {
     match (op, order) {
         (Op::Scale(factor), Order::First) => operand.scale_first_order(factor),
         (Op::Scale(factor), Order::Certified) => operand.scale(factor, weight),

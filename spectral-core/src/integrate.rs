@@ -15,11 +15,8 @@ pub(crate) struct Sum<R> {
 impl<R: Real> Sum<R> {
     pub(crate) fn add(&mut self, term: R) {
         let next = self.total + term;
-        self.lost += if self.total.abs() >= term.abs() {
-            (self.total - next) + term
-        } else {
-            (term - next) + self.total
-        };
+        self.lost +=
+            if self.total.abs() >= term.abs() { (self.total - next) + term } else { (term - next) + self.total };
         self.total = next;
     }
     pub(crate) fn value(self) -> R {
@@ -92,9 +89,8 @@ impl<R: Real> Piece<R> {
         let last = (self.value[1] - centre) / unit;
         let [a0, a1] = self.channel(a);
         let three = R::from_f64(3.0);
-        let sum = first * first * (three * a0 + a1)
-            + R::TWO * first * last * (a0 + a1)
-            + last * last * (a0 + three * a1);
+        let sum =
+            first * first * (three * a0 + a1) + R::TWO * first * last * (a0 + a1) + last * last * (a0 + three * a1);
         (sum * self.width / R::from_f64(12.0)).max(R::ZERO)
     }
 }
@@ -121,11 +117,7 @@ pub(crate) fn for_each_piece<R: Real, S: Spectrum<R> + ?Sized>(
                 segment.first
             }
         };
-        visit(Piece {
-            width: end - position,
-            value: [at(position), at(end)],
-            cmf: [cmf(position), cmf(end)],
-        });
+        visit(Piece { width: end - position, value: [at(position), at(end)], cmf: [cmf(position), cmf(end)] });
         if end >= segment.end {
             start = segment.end;
             segment = spectrum.segment(segment.end);
@@ -139,12 +131,7 @@ pub(crate) fn for_each_piece<R: Real, S: Spectrum<R> + ?Sized>(
 ///
 /// Exact for the piecewise linear functions but for rounding: the relative error is below 16 ε for non-negative
 /// spectra. The observer is 0 outside its table. Returns zeros when `from` ≥ `to` or a limit is not finite.
-pub fn tristimulus<R: Real, S: Spectrum<R> + ?Sized>(
-    observer: &Observer<R>,
-    spectrum: &S,
-    from: R,
-    to: R,
-) -> [R; 3] {
+pub fn tristimulus<R: Real, S: Spectrum<R> + ?Sized>(observer: &Observer<R>, spectrum: &S, from: R, to: R) -> [R; 3] {
     let mut sums = [Sum::<R>::default(); 3];
     if from.is_finite() && to.is_finite() {
         for_each_piece(observer, spectrum, from, to, |piece| {

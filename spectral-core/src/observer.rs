@@ -38,10 +38,7 @@ impl core::fmt::Display for ObserverError {
             }
             Self::Length => write!(f, "the observer has fewer than two nodes"),
             Self::Value { channel, index } => {
-                write!(
-                    f,
-                    "node {index} of channel {channel} of the observer is negative or not finite"
-                )
+                write!(f, "node {index} of channel {channel} of the observer is negative or not finite")
             }
         }
     }

@@ -130,10 +130,7 @@ macro_rules! implement {
             const ONE: Self = 1.0;
             const HALF: Self = 0.5;
             const TWO: Self = 2.0;
-            #[allow(
-                clippy::cast_possible_truncation,
-                reason = "rounding π to the type is what is meant"
-            )]
+            #[allow(clippy::cast_possible_truncation, reason = "rounding π to the type is what is meant")]
             const PI: Self = core::f64::consts::PI as Self;
             const EPSILON: Self = <$float>::EPSILON;
             const MIN_POSITIVE: Self = <$float>::MIN_POSITIVE;
@@ -156,11 +153,7 @@ macro_rules! implement {
                 value as Self
             }
             #[inline]
-            #[allow(
-                clippy::cast_possible_truncation,
-                clippy::cast_sign_loss,
-                reason = "documented as saturating"
-            )]
+            #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "documented as saturating")]
             fn to_usize(self) -> usize {
                 self as usize
             }

@@ -66,8 +66,7 @@ impl<'a, R: Real> Subdivision<'a, R> {
         let pieces = pieces.get_mut(..limit).unwrap_or_default();
         let order = mode.order();
         let recorder = Recorder { stages: &mut *stages, threshold, white, largest };
-        let evaluate =
-            |node, weight: &Weight<R>| program.evaluate(node, weight, order, sources, stack);
+        let evaluate = |node, weight: &Weight<R>| program.evaluate(node, weight, order, sources, stack);
         let outcome = refine(mode, domain, pieces, evaluate, recorder)?;
         let stages = stages.get(..outcome.intervals).unwrap_or_default();
         Ok(Self { stages, white, status: outcome.status })
@@ -95,15 +94,9 @@ impl<'a, R: Real> Subdivision<'a, R> {
         let xyz = stage.xyz.map(|v| v * scale);
         let rounding = R::TWO * R::EPSILON;
         let radius = core::array::from_fn(|a| {
-            stage.radius[a] * scale * (R::ONE + rounding)
-                + (rounding * xyz[a].abs() + R::MIN_POSITIVE)
+            stage.radius[a] * scale * (R::ONE + rounding) + (rounding * xyz[a].abs() + R::MIN_POSITIVE)
         });
-        Scaled {
-            xyz,
-            radius,
-            delta_e: delta_e_majorant(xyz, radius, self.white),
-            intervals: place + 1,
-        }
+        Scaled { xyz, radius, delta_e: delta_e_majorant(xyz, radius, self.white), intervals: place + 1 }
     }
 }
 

@@ -21,12 +21,7 @@ pub struct ThresholdTable<'a, R> {
 impl<'a, R: Real> ThresholdTable<'a, R> {
     /// Fills the caller's `buffer` of at least `cells_per_side`³ entries for a threshold in ΔE*ab; `None` when it is smaller,
     /// `cells_per_side` is 0, `threshold` is negative or NaN, or `white` is not positive and finite.
-    pub fn build(
-        cells_per_side: usize,
-        threshold: R,
-        white: [R; 3],
-        buffer: &'a mut [R],
-    ) -> Option<Self> {
+    pub fn build(cells_per_side: usize, threshold: R, white: [R; 3], buffer: &'a mut [R]) -> Option<Self> {
         let count = cells_per_side.checked_mul(cells_per_side)?.checked_mul(cells_per_side)?;
         let positive = white.iter().all(|w| *w > R::ZERO && w.is_finite());
         let defined = threshold >= R::ZERO;

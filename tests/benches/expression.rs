@@ -37,8 +37,7 @@ impl Case {
     /// The program at a scale; leaves are D65 and two patches.
     fn ops(self, scale: f64) -> Vec<Op<f64>> {
         let one = [Op::Leaf(0), Op::Leaf(1), Op::Product, Op::Scale(scale)];
-        let two =
-            [Op::Leaf(0), Op::Leaf(1), Op::Product, Op::Leaf(2), Op::Product, Op::Scale(scale)];
+        let two = [Op::Leaf(0), Op::Leaf(1), Op::Product, Op::Leaf(2), Op::Product, Op::Scale(scale)];
         let ambient = [Op::Leaf(0), Op::Leaf(1), Op::Product, Op::Scale(0.1 * scale), Op::Sum];
         match self {
             Self::OnePatch => one.to_vec(),
@@ -55,8 +54,7 @@ fn settings() -> impl Iterator<Item = (Case, f64)> {
 
 /// D65, ColorChecker green and moderate red.
 fn tables() -> [&'static UniformTable; 3] {
-    let [light, green, red] =
-        [find_light("D65").unwrap(), &colorchecker::ALL[13], &colorchecker::ALL[8]];
+    let [light, green, red] = [find_light("D65").unwrap(), &colorchecker::ALL[13], &colorchecker::ALL[8]];
     [light, green, red]
 }
 
@@ -68,9 +66,7 @@ fn with_pyramids(run: impl FnOnce(&Domain<'_, f64>, &[Pyramid<'_, f64>], [f64; 3
     let pyramids: Vec<_> = buffers
         .iter_mut()
         .zip(tables())
-        .map(|(buffer, table)| {
-            Pyramid::build(&table.spectrum(Outside::Hold), &domain, buffer).unwrap()
-        })
+        .map(|(buffer, table)| Pyramid::build(&table.spectrum(Outside::Hold), &domain, buffer).unwrap())
         .collect();
     let white = pyramids[0].get(Node::ROOT).unwrap().tristimulus(&domain.weight(Node::ROOT));
     run(&domain, &pyramids, white);
@@ -153,8 +149,7 @@ fn uniform_81(bencher: Bencher<'_, '_>, case: Case) {
     let cmf: [[f64; BINS]; 3] = core::array::from_fn(|a| {
         core::array::from_fn(|bin| {
             let (from, to) = limits(bin);
-            tristimulus(&observer, &spectral_core::spectrum::Constant::new(1.0).unwrap(), from, to)
-                [a]
+            tristimulus(&observer, &spectral_core::spectrum::Constant::new(1.0).unwrap(), from, to)[a]
         })
     });
     let mut pixel = 0;

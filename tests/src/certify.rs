@@ -102,14 +102,7 @@ pub fn run<R: Real>(seed: u64, cases: u64, mode: Mode) -> Result<Tally, String> 
         domains.push(domain.map_err(|error| error.to_string())?);
     }
     let palette = Palette::new(&domains[usize::from(DEPTH)])?;
-    let mut trial = Trial {
-        observer: cie_1931()?,
-        domains,
-        palette,
-        rules: Vec::new(),
-        mode,
-        tally: Tally::default(),
-    };
+    let mut trial = Trial { observer: cie_1931()?, domains, palette, rules: Vec::new(), mode, tally: Tally::default() };
     for first in (0..cases).step_by(usize::try_from(BATCH).unwrap_or(1)) {
         trial.batch(seed, first..cases.min(first + BATCH))?;
     }
@@ -163,8 +156,8 @@ impl<R: Real> Trial<'_, R> {
         let side = draw.index(1..9);
         let threshold = R::from_f64(draw.magnitude(0.05, 10.0));
         let mut cells = vec![R::ZERO; side * side * side];
-        let table = ThresholdTable::build(side, threshold, white, &mut cells)
-            .ok_or("a table of thresholds was refused")?;
+        let table =
+            ThresholdTable::build(side, threshold, white, &mut cells).ok_or("a table of thresholds was refused")?;
         for case in cases {
             // Seeds apart, so that the sequences of neighbouring cases don't overlap.
             let mut draw = Draw::new(Draw::new(seed.wrapping_add(case)).bits());
@@ -242,17 +235,16 @@ impl<R: Real> Trial<'_, R> {
         for a in 0..3 {
             let off = (found[a] - truth.xyz[a]).abs();
             // Beyond the range of the type, radii may be infinite or NaN, but the bound is then infinite.
-            let holds = off <= radius[a].to_f64() + truth.error[a]
-                || (!radius[a].is_finite() && delta_e == R::INFINITY);
+            let holds =
+                off <= radius[a].to_f64() + truth.error[a] || (!radius[a].is_finite() && delta_e == R::INFINITY);
             self.tally.check(statements[0], holds, || {
                 case.describe(&format!("channel {a}: off by {off:e}, {xyz:?} ± {radius:?}"))
             });
         }
         let least = least_delta_e(found, truth, white);
         let holds = least <= delta_e.to_f64() || delta_e == R::INFINITY;
-        self.tally.check(statements[1], holds, || {
-            case.describe(&format!("{least} against {delta_e}, {xyz:?} ± {radius:?}"))
-        });
+        self.tally
+            .check(statements[1], holds, || case.describe(&format!("{least} against {delta_e}, {xyz:?} ± {radius:?}")));
         if delta_e.is_finite() {
             self.tally.closest = self.tally.closest.max(least / delta_e.to_f64());
         }
@@ -264,16 +256,13 @@ impl<R: Real> Trial<'_, R> {
         let mut pieces = vec![Piece::default(); draw.index(1..PIECES)];
         let target = Target { mode: self.mode, threshold: case.threshold, white: case.white };
         let domain = &self.domains[usize::from(case.depth)];
-        let found =
-            evaluate(&program, domain, &target, &mut &self.palette, &mut stack, &mut pieces)
-                .map_err(|error| error.to_string())?;
+        let found = evaluate(&program, domain, &target, &mut &self.palette, &mut stack, &mut pieces)
+            .map_err(|error| error.to_string())?;
         self.tally.intervals += found.intervals as u64;
         self.tally.unbounded += u64::from(!found.delta_e.is_finite());
         let reached = found.status == Status::Reached;
         self.tally.reached += u64::from(reached);
-        self.tally.check("reached means so", reached == (found.delta_e <= case.threshold), || {
-            case.describe(&found)
-        });
+        self.tally.check("reached means so", reached == (found.delta_e <= case.threshold), || case.describe(&found));
         let result = (found.xyz, found.radius, found.delta_e);
         self.colour(["radius", "bound"], case, &case.truth, result);
         Ok(())
@@ -298,9 +287,7 @@ impl<R: Real> Trial<'_, R> {
         let failed = shortfalls(&found, &weight, &truth);
         let finite = found.radius.iter().all(|r| r.is_finite());
         self.tally.check("interval", failed.is_empty() || !finite, || {
-            case.describe(&format!(
-                "{failed:?} of {found:?} on {node:?}, {weight:?}, not {truth:?}"
-            ))
+            case.describe(&format!("{failed:?} of {found:?} on {node:?}, {weight:?}, not {truth:?}"))
         });
         Ok(())
     }
@@ -392,16 +379,8 @@ impl<R: Real> Trial<'_, R> {
         let mut pieces = vec![Piece::default(); draw.index(1..PIECES)];
         let domain = &self.domains[usize::from(case.depth)];
         let mode = Mode::Certified;
-        let found = evaluate_by_table(
-            &program,
-            domain,
-            mode,
-            table,
-            &mut &self.palette,
-            &mut stack,
-            &mut pieces,
-        )
-        .map_err(|error| error.to_string())?;
+        let found = evaluate_by_table(&program, domain, mode, table, &mut &self.palette, &mut stack, &mut pieces)
+            .map_err(|error| error.to_string())?;
         let accepted = found.status == Status::Reached;
         let bound = if accepted { threshold } else { R::INFINITY };
         self.tally.check("accepted means so", found.delta_e == bound, || case.describe(&found));
@@ -421,11 +400,7 @@ fn program<'a, R: Real>(case: &'a Case<'_, R>) -> Result<Program<'a, R>, String>
 }
 
 /// What an interval states of a spectrum that is not so.
-fn shortfalls<R: Real>(
-    found: &Interval<R>,
-    weight: &Weight<R>,
-    truth: &Moments,
-) -> Vec<&'static str> {
+fn shortfalls<R: Real>(found: &Interval<R>, weight: &Weight<R>, truth: &Moments) -> Vec<&'static str> {
     let doubt = 2.0 * truth.value_error;
     let xyz = found.tristimulus(weight).map(R::to_f64);
     let covers = |bounds: [R; 3], exact: [f64; 3], doubt: &dyn Fn(usize) -> f64| {

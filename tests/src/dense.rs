@@ -190,12 +190,7 @@ impl Dense {
     /// Splits [`from`, `to`] in nm at every node of `observer` and `spectra`, with so many points a cell: polynomials of
     /// degree 2 `points` − 1 are integrated exactly, so that `points` has to be above half the number of factors.
     #[must_use]
-    pub fn new(
-        observer: &[Polyline; 3],
-        spectra: &[&Polyline],
-        [from, to]: [f64; 2],
-        points: usize,
-    ) -> Self {
+    pub fn new(observer: &[Polyline; 3], spectra: &[&Polyline], [from, to]: [f64; 2], points: usize) -> Self {
         let mut limits: Vec<f64> = observer
             .iter()
             .chain(spectra.iter().copied())
@@ -213,9 +208,9 @@ impl Dense {
             let mut samples = Vec::with_capacity(length);
             for &[start, end] in &cells {
                 let [first, last] = line.ends(start, end);
-                samples.extend(rule.iter().map(|&[x, weight]| {
-                    (first * (1.0 - x) + last * x) * scale(weight, [start, end])
-                }));
+                samples.extend(
+                    rule.iter().map(|&[x, weight]| (first * (1.0 - x) + last * x) * scale(weight, [start, end])),
+                );
             }
             samples.resize(length, 0.0);
             samples
@@ -272,8 +267,7 @@ impl Dense {
     /// The relative rounding error of a value and of its weight, in units of 2⁻⁵³: 8 for each interpolated leaf, 3 for each
     /// operation, 24 for the colour-matching functions, the rule and the sums.
     fn roundings<R: Real>(ops: &[Op<R>]) -> f64 {
-        let units =
-            |op: &Op<R>| if matches!(op, Op::Leaf(_) | Op::Deferred(_)) { 8.0 } else { 3.0 };
+        let units = |op: &Op<R>| if matches!(op, Op::Leaf(_) | Op::Deferred(_)) { 8.0 } else { 3.0 };
         ops.iter().map(units).sum::<f64>() + 24.0
     }
 
@@ -318,9 +312,7 @@ impl Dense {
         let mut moments = Moments {
             integral,
             weight,
-            range: values
-                .iter()
-                .fold([f64::INFINITY, f64::NEG_INFINITY], |r, v| [r[0].min(*v), r[1].max(*v)]),
+            range: values.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |r, v| [r[0].min(*v), r[1].max(*v)]),
             value_error: largest * Self::roundings(ops) * UNIT,
             ..Moments::default()
         };
@@ -332,8 +324,7 @@ impl Dense {
             let squares = compensated(deviations().map(|(d, w)| (d / unit) * (d / unit) * w));
             moments.norm[a] = squares.sqrt() * unit;
             let terms: Vec<f64> = deviations().map(|(d, w)| d * w).collect();
-            moments.absolute[a] =
-                compensated(terms.chunks(self.points).map(|c| c.iter().sum::<f64>().abs()));
+            moments.absolute[a] = compensated(terms.chunks(self.points).map(|c| c.iter().sum::<f64>().abs()));
         }
         moments
     }
@@ -365,11 +356,7 @@ fn compensated(terms: impl Iterator<Item = f64>) -> f64 {
 /// CIELAB's f (ISO/CIE 11664-4, equations 4 to 9), written independently of the core's.
 #[must_use]
 pub fn lab_f(t: f64) -> f64 {
-    if t > (6.0_f64 / 29.0).powi(3) {
-        t.cbrt()
-    } else {
-        (29.0_f64 / 6.0).powi(2) * t / 3.0 + 4.0 / 29.0
-    }
+    if t > (6.0_f64 / 29.0).powi(3) { t.cbrt() } else { (29.0_f64 / 6.0).powi(2) * t / 3.0 + 4.0 / 29.0 }
 }
 
 /// CIELAB L\*, a\*, b\* of tristimulus values.
@@ -414,9 +401,7 @@ mod tests {
     fn quadrature_is_exact_up_to_its_degree_and_not_beyond() {
         for points in 1..=9 {
             let rule = gauss_legendre(points);
-            let moment = |k: usize| {
-                rule.iter().map(|[x, w]| w * x.powi(i32::try_from(k).unwrap())).sum::<f64>()
-            };
+            let moment = |k: usize| rule.iter().map(|[x, w]| w * x.powi(i32::try_from(k).unwrap())).sum::<f64>();
             for k in 0..2 * points {
                 let exact = 1.0 / small(k + 1);
                 assert!((moment(k) - exact).abs() <= 8.0 * f64::EPSILON, "{points} points, x^{k}");
@@ -518,9 +503,7 @@ mod tests {
     fn lab_and_its_distance() {
         let white = [0.95047, 1.0, 1.08883];
         let lab = lab([0.2, 0.12, 0.05], white);
-        for (value, expected) in
-            zip(lab, [41.216_120_124_466_91, 50.773_931_171_631_396, 27.028_649_916_043_545])
-        {
+        for (value, expected) in zip(lab, [41.216_120_124_466_91, 50.773_931_171_631_396, 27.028_649_916_043_545]) {
             assert!((value - expected).abs() <= 1e-11, "{lab:?}");
         }
         let truth = Integral { xyz: white, error: [0.0; 3] };

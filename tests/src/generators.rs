@@ -7,8 +7,7 @@ use spectral_core::Real;
 use spectral_core::expression::{Op, Sources};
 use spectral_core::interval::{Domain, Interval, Node, Pyramid, node_count};
 use spectral_core::spectrum::{
-    Constant, Daylight, Lines, Outside, PiecewiseLinear, Planck, RadiationConstant, Rounding,
-    Scaled, Spectrum,
+    Constant, Daylight, Lines, Outside, PiecewiseLinear, Planck, RadiationConstant, Rounding, Scaled, Spectrum,
 };
 use spectral_core::tables::{self, UniformTable, colorchecker, cornell};
 
@@ -126,12 +125,7 @@ impl<R: Real> Palette<R> {
     /// # Errors
     /// A spectrum that should be accepted was refused, or a data file can't be read.
     pub fn new(domain: &Domain<'_, R>) -> Result<Self, String> {
-        let mut palette = Self {
-            spectra: Vec::new(),
-            lights: Vec::new(),
-            reflectances: Vec::new(),
-            fixed: [0; 3],
-        };
+        let mut palette = Self { spectra: Vec::new(), lights: Vec::new(), reflectances: Vec::new(), fixed: [0; 3] };
         palette.add_tables(domain)?;
         for temperature in [1000.0, 1500.0, 2856.0, 6504.0, 25000.0] {
             palette.add_planck(domain, temperature)?;
@@ -154,12 +148,7 @@ impl<R: Real> Palette<R> {
     ///
     /// # Errors
     /// A spectrum that should be accepted was refused.
-    pub fn redraw(
-        &mut self,
-        draw: &mut Draw<'_>,
-        domain: &Domain<'_, R>,
-        count: usize,
-    ) -> Result<(), String> {
+    pub fn redraw(&mut self, draw: &mut Draw<'_>, domain: &Domain<'_, R>, count: usize) -> Result<(), String> {
         let [spectra, lights, reflectances] = self.fixed;
         self.spectra.truncate(spectra);
         self.lights.truncate(lights);
@@ -205,8 +194,7 @@ impl<R: Real> Palette<R> {
         light: bool,
     ) -> Result<(), String> {
         let mut intervals = vec![Interval::zero(); node_count(domain.depth())];
-        Pyramid::build(spectrum, domain, &mut intervals)
-            .map_err(|error| format!("{name}: {error}: {truth:?}"))?;
+        Pyramid::build(spectrum, domain, &mut intervals).map_err(|error| format!("{name}: {error}: {truth:?}"))?;
         let id = u32::try_from(self.spectra.len()).map_err(|_| "too many spectra")?;
         self.spectra.push(Stored { name: name.to_owned(), truth, intervals });
         let family = if light { &mut self.lights } else { &mut self.reflectances };
@@ -244,8 +232,8 @@ impl<R: Real> Palette<R> {
 
     /// A black body's nodes are the core's own values at whole nanometres, which define the spectrum.
     fn add_planck(&mut self, domain: &Domain<'_, R>, temperature: f64) -> Result<(), String> {
-        let spectrum = Planck::new(R::from_f64(temperature), RadiationConstant::Si2019)
-            .map_err(|error| error.to_string())?;
+        let spectrum =
+            Planck::new(R::from_f64(temperature), RadiationConstant::Si2019).map_err(|error| error.to_string())?;
         let node = |w: u32| (f64::from(w), spectrum.radiance(R::from_f64(f64::from(w))).to_f64());
         let truth = Polyline::new(&(379..=781).map(node).collect::<Vec<_>>(), Beyond::Zero);
         self.add(domain, &format!("Planck {temperature} K"), &spectrum, truth, true)
@@ -253,21 +241,14 @@ impl<R: Real> Palette<R> {
 
     /// A daylight's nodes are the core's own values at its nodes.
     fn add_daylight(&mut self, domain: &Domain<'_, R>, temperature: f64) -> Result<(), String> {
-        let spectrum = Daylight::new(R::from_f64(temperature), Rounding::None)
-            .map_err(|error| error.to_string())?;
+        let spectrum = Daylight::new(R::from_f64(temperature), Rounding::None).map_err(|error| error.to_string())?;
         let node = |w: u32| (f64::from(w), spectrum.value(R::from_f64(f64::from(w))).to_f64());
         let nodes: Vec<_> = (300..=830).step_by(5).map(node).collect();
         let truth = Polyline::new(&nodes, Beyond::Zero);
         self.add(domain, &format!("daylight {temperature} K"), &spectrum, truth, true)
     }
 
-    fn add_lines(
-        &mut self,
-        domain: &Domain<'_, R>,
-        centres: &[f64],
-        powers: &[f64],
-        width: f64,
-    ) -> Result<(), String> {
+    fn add_lines(&mut self, domain: &Domain<'_, R>, centres: &[f64], powers: &[f64], width: f64) -> Result<(), String> {
         let round = |list: &[f64]| list.iter().map(|v| R::from_f64(*v)).collect::<Vec<_>>();
         let (centres, powers, width) = (round(centres), round(powers), R::from_f64(width));
         let spectrum = Lines::new(&centres, &powers, width).map_err(|error| error.to_string())?;
@@ -275,12 +256,7 @@ impl<R: Real> Palette<R> {
         self.add(domain, &format!("lines {centres:?} of base {width}"), &spectrum, truth, true)
     }
 
-    fn add_constant(
-        &mut self,
-        domain: &Domain<'_, R>,
-        value: f64,
-        light: bool,
-    ) -> Result<(), String> {
+    fn add_constant(&mut self, domain: &Domain<'_, R>, value: f64, light: bool) -> Result<(), String> {
         let value = R::from_f64(value);
         let spectrum = Constant::new(value).map_err(|error| error.to_string())?;
         let truth = Polyline::constant(value.to_f64());
@@ -296,18 +272,13 @@ impl<R: Real> Palette<R> {
         light: bool,
     ) -> Result<(), String> {
         let (wavelengths, values): (Vec<R>, Vec<R>) = nodes.iter().copied().unzip();
-        let spectrum = PiecewiseLinear::new(&wavelengths, &values, outside)
-            .map_err(|error| error.to_string())?;
+        let spectrum = PiecewiseLinear::new(&wavelengths, &values, outside).map_err(|error| error.to_string())?;
         let exact: Vec<_> = nodes.iter().map(|(w, v)| (w.to_f64(), v.to_f64())).collect();
         let beyond = if outside == Outside::Hold { Beyond::Hold } else { Beyond::Zero };
         self.add(domain, name, &spectrum, Polyline::new(&exact, beyond), light)
     }
 
-    fn add_random_light(
-        &mut self,
-        draw: &mut Draw<'_>,
-        domain: &Domain<'_, R>,
-    ) -> Result<(), String> {
+    fn add_random_light(&mut self, draw: &mut Draw<'_>, domain: &Domain<'_, R>) -> Result<(), String> {
         match draw.index(0..8) {
             0 => self.add_planck(domain, draw.magnitude(1000.0, 25000.0)),
             1 => self.add_daylight(domain, draw.between(4000.0, 25000.0)),
@@ -335,19 +306,14 @@ impl<R: Real> Palette<R> {
     }
 
     /// A light from a table in another unit, as a leaf of its own.
-    fn add_scaled_table(
-        &mut self,
-        draw: &mut Draw<'_>,
-        domain: &Domain<'_, R>,
-    ) -> Result<(), String> {
+    fn add_scaled_table(&mut self, draw: &mut Draw<'_>, domain: &Domain<'_, R>) -> Result<(), String> {
         let names = ["A", "D65", "FL2", "FL11", "HP1", "LED-B3"];
         let name = draw.pick(&names).unwrap_or_default();
         let (Some(table), Some(id)) = (tables::find_light(name), self.find(name)) else {
             return Err(format!("no light {name}"));
         };
         let factor = R::from_f64(draw.magnitude(1e-30, 1e30));
-        let spectrum = Scaled::new(table.spectrum(Outside::Zero), factor)
-            .map_err(|error| error.to_string())?;
+        let spectrum = Scaled::new(table.spectrum(Outside::Zero), factor).map_err(|error| error.to_string())?;
         let truth = self.spectra[id as usize].truth.scaled(factor.to_f64());
         self.add(domain, &format!("{name} times {:e}", factor.to_f64()), &spectrum, truth, true)
     }
@@ -355,10 +321,8 @@ impl<R: Real> Palette<R> {
 
 /// The sum of the triangles of [`Lines`], with corners rounded as its documentation says.
 fn triangles<R: Real>(centres: &[R], powers: &[R], width: R) -> Polyline {
-    let corners: Vec<[f64; 3]> = centres
-        .iter()
-        .map(|&c| [c - width * R::HALF, c, c + width * R::HALF].map(R::to_f64))
-        .collect();
+    let corners: Vec<[f64; 3]> =
+        centres.iter().map(|&c| [c - width * R::HALF, c, c + width * R::HALF].map(R::to_f64)).collect();
     let mut nodes: Vec<f64> = corners.iter().flatten().copied().collect();
     nodes.sort_unstable_by(f64::total_cmp);
     nodes.dedup();
@@ -460,8 +424,7 @@ pub fn expression<R: Real>(draw: &mut Draw<'_>, palette: &Palette<R>) -> Express
     let mut factors = path(draw, palette, light, MAX_FACTORS, &mut ops);
     let terms = draw.pick(&[0, 0, 0, 1, 1, 2]).unwrap_or_default();
     for _ in 0..terms {
-        let other =
-            if draw.once_in(2) { light } else { draw.pick(&palette.lights).unwrap_or_default() };
+        let other = if draw.once_in(2) { light } else { draw.pick(&palette.lights).unwrap_or_default() };
         factors = factors.max(path(draw, palette, other, MAX_FACTORS, &mut ops));
         if draw.once_in(20) {
             ops.push(Op::Scale(R::from_f64(-draw.unit())));
@@ -479,13 +442,7 @@ pub fn expression<R: Real>(draw: &mut Draw<'_>, palette: &Palette<R>) -> Express
 }
 
 /// A light times some reflectances; returns the number of factors.
-fn path<R: Real>(
-    draw: &mut Draw<'_>,
-    palette: &Palette<R>,
-    light: u32,
-    most: usize,
-    ops: &mut Vec<Op<R>>,
-) -> usize {
+fn path<R: Real>(draw: &mut Draw<'_>, palette: &Palette<R>, light: u32, most: usize, ops: &mut Vec<Op<R>>) -> usize {
     ops.push(leaf(draw, light));
     if draw.once_in(3) {
         ops.push(Op::Scale(R::from_f64(draw.magnitude(1e-3, 1e3))));
@@ -500,12 +457,7 @@ fn path<R: Real>(
 }
 
 /// A reflectance, plain, in a Schlick term, or a product or mixture of several; returns the number of factors.
-fn reflectance<R: Real>(
-    draw: &mut Draw<'_>,
-    palette: &Palette<R>,
-    most: usize,
-    ops: &mut Vec<Op<R>>,
-) -> usize {
+fn reflectance<R: Real>(draw: &mut Draw<'_>, palette: &Palette<R>, most: usize, ops: &mut Vec<Op<R>>) -> usize {
     let id = draw.pick(&palette.reflectances).unwrap_or_default();
     ops.push(leaf(draw, id));
     let mut factors = 1;

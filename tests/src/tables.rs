@@ -35,8 +35,7 @@ impl Csv {
     /// The file can't be read, or a row has more or fewer cells than the header.
     pub fn read(file: &str) -> Result<Self, String> {
         let path = data_directory().join(file);
-        let text =
-            fs::read_to_string(&path).map_err(|error| format!("{}: {error}", path.display()))?;
+        let text = fs::read_to_string(&path).map_err(|error| format!("{}: {error}", path.display()))?;
         Self::parse(&text).map_err(|error| format!("{file}: {error}"))
     }
 
@@ -50,9 +49,7 @@ impl Csv {
         let header = split(lines.next().ok_or("no header")?);
         let rows: Vec<_> = lines.map(split).collect();
         match rows.iter().find(|row| row.len() != header.len()) {
-            Some(row) => {
-                Err(format!("{} cells instead of {}: {}", row.len(), header.len(), row.join(",")))
-            }
+            Some(row) => Err(format!("{} cells instead of {}: {}", row.len(), header.len(), row.join(","))),
             None => Ok(Self { header, rows }),
         }
     }
@@ -62,10 +59,7 @@ impl Csv {
     /// # Errors
     /// There is no such column.
     pub fn index(&self, name: &str) -> Result<usize, String> {
-        self.header
-            .iter()
-            .position(|column| column == name)
-            .ok_or_else(|| format!("no column {name}"))
+        self.header.iter().position(|column| column == name).ok_or_else(|| format!("no column {name}"))
     }
 
     /// The cells of a column, as written.
@@ -84,17 +78,13 @@ impl Csv {
     pub fn numbers(&self, name: &str) -> Result<(Vec<f64>, Vec<f64>), String> {
         let parse = |cell: &&str| cell.parse::<f64>().map_err(|_| format!("not a number: {cell}"));
         let [keys, values] = self.pairs(name)?;
-        Ok((
-            keys.iter().map(parse).collect::<Result<_, _>>()?,
-            values.iter().map(parse).collect::<Result<_, _>>()?,
-        ))
+        Ok((keys.iter().map(parse).collect::<Result<_, _>>()?, values.iter().map(parse).collect::<Result<_, _>>()?))
     }
 
     /// The first column and the named one, without the rows in which the named one is empty.
     fn pairs(&self, name: &str) -> Result<[Vec<&str>; 2], String> {
         let keys = self.column(&self.header[0])?;
-        let (keys, values) =
-            keys.into_iter().zip(self.column(name)?).filter(|(_, value)| !value.is_empty()).unzip();
+        let (keys, values) = keys.into_iter().zip(self.column(name)?).filter(|(_, value)| !value.is_empty()).unzip();
         Ok([keys, values])
     }
 }
@@ -126,14 +116,8 @@ struct Module {
 const POWER: Kind = Kind::Uniform { quantity: "relative spectral power" };
 const REFLECTANCE: Kind = Kind::Uniform { quantity: "spectral reflectance" };
 const METALS: [(&str, Kind); 3] = [
-    (
-        "metals_nk_mitsuba_luxpop.csv",
-        Kind::Metals { suffix: "", author: "luxpop, as shipped with Mitsuba 3" },
-    ),
-    (
-        "metals_nk_johnson_christy.csv",
-        Kind::Metals { suffix: "-Johnson", author: "Johnson and Christy 1972" },
-    ),
+    ("metals_nk_mitsuba_luxpop.csv", Kind::Metals { suffix: "", author: "luxpop, as shipped with Mitsuba 3" }),
+    ("metals_nk_johnson_christy.csv", Kind::Metals { suffix: "-Johnson", author: "Johnson and Christy 1972" }),
     ("aluminium_nk_rakic1995.csv", Kind::Metals { suffix: "-Rakic", author: "Rakić 1995" }),
 ];
 
@@ -144,14 +128,8 @@ const MODULES: [Module; 18] = [
         doc: "Colour-matching functions of the CIE standard observers at 1 nm.",
         table: "ObserverTable",
         sources: &[
-            (
-                "cie_1931_2deg_cmf_1nm.csv",
-                Kind::Observer { constant: "CIE_1931_2", name: "CIE 1931 2°" },
-            ),
-            (
-                "cie_1964_10deg_cmf_1nm.csv",
-                Kind::Observer { constant: "CIE_1964_10", name: "CIE 1964 10°" },
-            ),
+            ("cie_1931_2deg_cmf_1nm.csv", Kind::Observer { constant: "CIE_1931_2", name: "CIE 1931 2°" }),
+            ("cie_1964_10deg_cmf_1nm.csv", Kind::Observer { constant: "CIE_1964_10", name: "CIE 1964 10°" }),
         ],
     },
     Module {
@@ -228,19 +206,13 @@ const MODULES: [Module; 18] = [
         name: "cornell_lamp",
         doc: "The lamp of the Cornell box.",
         table: "UniformTable",
-        sources: &[(
-            "cornell_box_light.csv",
-            Kind::Uniform { quantity: "relative spectral radiance" },
-        )],
+        sources: &[("cornell_box_light.csv", Kind::Uniform { quantity: "relative spectral radiance" })],
     },
     Module {
         name: "test_colours",
         doc: "Test-colour samples TCS01 to TCS14 of CIE 13.3-1995: spectral radiance factor.",
         table: "UniformTable",
-        sources: &[(
-            "cie_13_3_tcs01_tcs14_5nm.csv",
-            Kind::Uniform { quantity: "spectral radiance factor" },
-        )],
+        sources: &[("cie_13_3_tcs01_tcs14_5nm.csv", Kind::Uniform { quantity: "spectral radiance factor" })],
     },
     Module {
         name: "glasses",
@@ -249,10 +221,7 @@ const MODULES: [Module; 18] = [
         sources: &[
             (
                 "sellmeier_coefficients.csv",
-                Kind::Glasses {
-                    formula: "Sellmeier",
-                    columns: &["B1", "C1", "B2", "C2", "B3", "C3", "B4", "C4"],
-                },
+                Kind::Glasses { formula: "Sellmeier", columns: &["B1", "C1", "B2", "C2", "B3", "C3", "B4", "C4"] },
             ),
             ("cauchy_coefficients.csv", Kind::Glasses { formula: "Cauchy", columns: &["A", "B"] }),
         ],
@@ -268,10 +237,7 @@ const MODULES: [Module; 18] = [
         name: "alpha_opic",
         doc: "Action spectra of the human photoreceptors (CIE S 026:2018) at 1 nm, each over the range that is tabulated.",
         table: "UniformTable",
-        sources: &[(
-            "cie_s026_alpha_opic_1nm.csv",
-            Kind::Uniform { quantity: "action spectrum, 1 at its peak" },
-        )],
+        sources: &[("cie_s026_alpha_opic_1nm.csv", Kind::Uniform { quantity: "action spectrum, 1 at its peak" })],
     },
     Module {
         name: "action",
@@ -279,10 +245,7 @@ const MODULES: [Module; 18] = [
               crops (McCree 1972).",
         table: "UniformTable",
         sources: &[
-            (
-                "action_aube2013_pas_msas_5nm.csv",
-                Kind::Uniform { quantity: "action spectrum, 1 at its peak" },
-            ),
+            ("action_aube2013_pas_msas_5nm.csv", Kind::Uniform { quantity: "action spectrum, 1 at its peak" }),
             ("action_mccree1972_5nm.csv", Kind::Uniform { quantity: "relative action spectrum" }),
         ],
     },
@@ -307,26 +270,20 @@ pub fn generate() -> Result<Vec<(PathBuf, String)>, String> {
 }
 
 fn write_module(module: &Module) -> Result<String, String> {
-    let files = module
-        .sources
-        .iter()
-        .map(|(file, _)| format!("data/{file}"))
-        .collect::<Vec<_>>()
-        .join(", ");
-    let mut out = format!(
-        "// Generated from {files} by generate_tables of spectral-tests: not to be edited.\n"
-    );
+    let files = module.sources.iter().map(|(file, _)| format!("data/{file}")).collect::<Vec<_>>().join(", ");
+    let mut out = format!("// Generated from {files} by generate_tables of spectral-tests: not to be edited.\n");
     for line in module.doc.lines() {
         let _ = writeln!(out, "{}", format!("//! {line}").trim_end());
     }
-    out.push_str("#![allow(\n    clippy::approx_constant,\n    clippy::excessive_precision,\n    clippy::unreadable_literal,\n");
+    out.push_str(
+        "#![allow(\n    clippy::approx_constant,\n    clippy::excessive_precision,\n    clippy::unreadable_literal,\n",
+    );
     out.push_str("    reason = \"decimals as they are in the source\"\n)]\n\n");
     let _ = writeln!(out, "use super::{{{}}};", uses(module.table));
     let mut constants = Vec::new();
     for (file, kind) in module.sources {
         let csv = Csv::read(file)?;
-        write_source(&mut out, &mut constants, &csv, kind)
-            .map_err(|error| format!("{file}: {error}"))?;
+        write_source(&mut out, &mut constants, &csv, kind).map_err(|error| format!("{file}: {error}"))?;
     }
     let _ = writeln!(out, "\n/// All of these tables, in the order of their source.");
     let _ = writeln!(out, "pub static ALL: [{}; {}] = [", module.table, constants.len());
@@ -341,12 +298,7 @@ fn uses(table: &str) -> String {
     if table == "GlassTable" { "Formula, GlassTable".to_owned() } else { table.to_owned() }
 }
 
-fn write_source(
-    out: &mut String,
-    constants: &mut Vec<String>,
-    csv: &Csv,
-    kind: &Kind,
-) -> Result<(), String> {
+fn write_source(out: &mut String, constants: &mut Vec<String>, csv: &Csv, kind: &Kind) -> Result<(), String> {
     match kind {
         Kind::Uniform { quantity } => {
             for name in &csv.header[1..] {
@@ -363,15 +315,8 @@ fn write_source(
             }
         }
         Kind::Lines { constant, name } => {
-            let fields =
-                [("wavelengths", csv.column("wavelength_nm")?), ("powers", csv.column("power")?)];
-            open(
-                out,
-                &format!("The lines of {name}: wavelengths in nm, relative powers"),
-                constant,
-                "LineTable",
-                name,
-            );
+            let fields = [("wavelengths", csv.column("wavelength_nm")?), ("powers", csv.column("power")?)];
+            open(out, &format!("The lines of {name}: wavelengths in nm, relative powers"), constant, "LineTable", name);
             write_fields(out, &fields)?;
             constants.push((*constant).to_owned());
         }
@@ -389,12 +334,7 @@ fn write_source(
     Ok(())
 }
 
-fn write_uniform(
-    out: &mut String,
-    csv: &Csv,
-    name: &str,
-    quantity: &str,
-) -> Result<String, String> {
+fn write_uniform(out: &mut String, csv: &Csv, name: &str, quantity: &str) -> Result<String, String> {
     let [wavelengths, values] = csv.pairs(name)?;
     let (first, step, last) = steps(&wavelengths)?;
     let constant = identifier(name);
@@ -430,25 +370,13 @@ fn write_bins(out: &mut String, csv: &Csv, name: &str, quantity: &str) -> Result
         return Err("the bins don't adjoin".to_owned());
     }
     let constant = identifier(name);
-    open(
-        out,
-        &format!("`{name}`: {quantity}, bins of {width} nm from {lower} nm"),
-        &constant,
-        "BinTable",
-        name,
-    );
+    open(out, &format!("`{name}`: {quantity}, bins of {width} nm from {lower} nm"), &constant, "BinTable", name);
     let _ = writeln!(out, "    lower: {lower},\n    width: {width},");
     write_fields(out, &[("samples", csv.column(name)?)])?;
     Ok(constant)
 }
 
-fn write_metal(
-    out: &mut String,
-    csv: &Csv,
-    symbol: &str,
-    suffix: &str,
-    author: &str,
-) -> Result<String, String> {
+fn write_metal(out: &mut String, csv: &Csv, symbol: &str, suffix: &str, author: &str) -> Result<String, String> {
     let [wavelengths, n] = csv.pairs(&format!("{symbol}_n"))?;
     let [others, k] = csv.pairs(&format!("{symbol}_k"))?;
     if wavelengths != others {
@@ -457,41 +385,20 @@ fn write_metal(
     let name = format!("{symbol}{suffix}");
     let constant = identifier(&name);
     let (first, last) = (wavelengths[0], wavelengths[wavelengths.len() - 1]);
-    open(
-        out,
-        &format!("n and k of {symbol}, {first}–{last} nm ({author})"),
-        &constant,
-        "MetalTable",
-        &name,
-    );
+    open(out, &format!("n and k of {symbol}, {first}–{last} nm ({author})"), &constant, "MetalTable", &name);
     write_fields(out, &[("wavelengths", wavelengths), ("n", n), ("k", k)])?;
     Ok(constant)
 }
 
-fn write_glass(
-    out: &mut String,
-    csv: &Csv,
-    row: &[String],
-    formula: &str,
-    columns: &[&str],
-) -> Result<String, String> {
+fn write_glass(out: &mut String, csv: &Csv, row: &[String], formula: &str, columns: &[&str]) -> Result<String, String> {
     let cell = |column: &str| csv.index(column).map(|index| row[index].as_str());
     let name = cell("material")?.replace('_', "-");
     // A name that starts with a digit, such as a glass code, isn't an identifier.
     let plain = identifier(&name);
-    let constant = if plain.starts_with(|c: char| c.is_ascii_digit()) {
-        format!("GLASS_{plain}")
-    } else {
-        plain
-    };
-    let doc = format!(
-        "{name}: index {} at 587.56 nm, Abbe number {}. Source: {}",
-        cell("nd")?,
-        cell("Vd")?,
-        cell("source")?
-    );
-    let absent_is_zero =
-        |column: &&str| cell(column).map(|text| if text.is_empty() { "0" } else { text });
+    let constant = if plain.starts_with(|c: char| c.is_ascii_digit()) { format!("GLASS_{plain}") } else { plain };
+    let doc =
+        format!("{name}: index {} at 587.56 nm, Abbe number {}. Source: {}", cell("nd")?, cell("Vd")?, cell("source")?);
+    let absent_is_zero = |column: &&str| cell(column).map(|text| if text.is_empty() { "0" } else { text });
     let coefficients = columns.iter().map(absent_is_zero).collect::<Result<Vec<_>, _>>()?;
     open(out, &doc, &constant, "GlassTable", &name);
     let _ = writeln!(out, "    formula: Formula::{formula},");
@@ -502,10 +409,7 @@ fn write_glass(
 
 /// The documentation and the first lines of a constant.
 fn open(out: &mut String, doc: &str, constant: &str, table: &str, name: &str) {
-    let _ = writeln!(
-        out,
-        "\n/// {doc}.\npub const {constant}: {table} = {table} {{\n    name: \"{name}\","
-    );
+    let _ = writeln!(out, "\n/// {doc}.\npub const {constant}: {table} = {table} {{\n    name: \"{name}\",");
 }
 
 /// The lists of a constant, and its end.
@@ -544,16 +448,12 @@ fn literal(text: &str) -> Result<String, String> {
 
 /// First value, step and last value of whole numbers at equal steps.
 fn steps(cells: &[&str]) -> Result<(u16, u16, u16), String> {
-    let parse =
-        |cell: &&str| cell.parse::<u16>().map_err(|_| format!("not a whole number: {cell}"));
+    let parse = |cell: &&str| cell.parse::<u16>().map_err(|_| format!("not a whole number: {cell}"));
     let numbers = cells.iter().map(parse).collect::<Result<Vec<_>, _>>()?;
     let (&[first, second, ..], &[.., last]) = (&numbers[..], &numbers[..]) else {
         return Err("fewer than two rows".to_owned());
     };
-    let step = second
-        .checked_sub(first)
-        .filter(|&step| step > 0)
-        .ok_or("the wavelengths don't increase")?;
+    let step = second.checked_sub(first).filter(|&step| step > 0).ok_or("the wavelengths don't increase")?;
     if numbers.windows(2).any(|pair| pair[1].checked_sub(pair[0]) != Some(step)) {
         return Err("the step changes".to_owned());
     }
@@ -562,7 +462,5 @@ fn steps(cells: &[&str]) -> Result<(u16, u16, u16), String> {
 
 /// The name of a column as that of a constant.
 fn identifier(name: &str) -> String {
-    name.chars()
-        .map(|c| if c.is_ascii_alphanumeric() { c.to_ascii_uppercase() } else { '_' })
-        .collect()
+    name.chars().map(|c| if c.is_ascii_alphanumeric() { c.to_ascii_uppercase() } else { '_' }).collect()
 }

@@ -4,9 +4,7 @@
 use spectral_core::adaptive::{Mode, Piece, Target, evaluate, evaluate_by_table};
 use spectral_core::bound::{delta_e_bound, delta_e_majorant};
 use spectral_core::expression::{ExpressionError, Op, Order, Program};
-use spectral_core::interval::{
-    BuildError, Domain, Interval, MAX_DEPTH, Node, Pyramid, Weight, node_count,
-};
+use spectral_core::interval::{BuildError, Domain, Interval, MAX_DEPTH, Node, Pyramid, Weight, node_count};
 use spectral_core::spectrum::{Constant, Line, Outside, PiecewiseLinear, Segment};
 use spectral_core::subdivision::{Stage, Subdivision};
 use spectral_core::threshold_table::ThresholdTable;
@@ -51,8 +49,7 @@ fn bound_covers_the_box_and_majorant_covers_the_bound<R: Real>(seed: u64) {
         let sign = if draw.once_in(10) { -0.1 } else { 1.0 };
         let xyz: [R; 3] = core::array::from_fn(|_| R::from_f64(unit * size * draw.unit() * sign));
         let reach = draw.magnitude(1e-9, 2.0);
-        let radius: [R; 3] =
-            core::array::from_fn(|_| R::from_f64(unit * size * reach * draw.unit()));
+        let radius: [R; 3] = core::array::from_fn(|_| R::from_f64(unit * size * reach * draw.unit()));
         let bound = delta_e_bound(xyz, radius, white).delta_e;
         let majorant = delta_e_majorant(xyz, radius, white);
         assert!(bound.is_finite() && majorant.is_finite());
@@ -60,10 +57,7 @@ fn bound_covers_the_box_and_majorant_covers_the_bound<R: Real>(seed: u64) {
         for _ in 0..8 {
             let other = in_box(&mut draw, xyz, radius);
             let actual = distance(xyz.map(R::to_f64), other, white) - doubt(other, white);
-            assert!(
-                actual <= bound.to_f64(),
-                "{actual} > {bound}: {xyz:?} ± {radius:?}, {white:?}"
-            );
+            assert!(actual <= bound.to_f64(), "{actual} > {bound}: {xyz:?} ± {radius:?}, {white:?}");
             assert!(actual <= majorant.to_f64(), "{actual} > {majorant}: {xyz:?} ± {radius:?}");
         }
         // Both have the same margins for rounding; that of the bound is for greater f's.
@@ -116,11 +110,9 @@ fn what_is_not_finite_has_no_bound() {
         for a in 0..3 {
             let spoil = |v: [f64; 3]| core::array::from_fn(|k| if k == a { bad } else { v[k] });
             let white = [1.0; 3];
-            for (xyz, radius, white) in [
-                (spoil(good), small, white),
-                (good, spoil(small), white),
-                (good, small, spoil(white)),
-            ] {
+            for (xyz, radius, white) in
+                [(spoil(good), small, white), (good, spoil(small), white), (good, small, spoil(white))]
+            {
                 // A radius of −∞ is outside the domain.
                 if radius[a] < 0.0 {
                     continue;
@@ -162,8 +154,7 @@ fn table_is_certain<R: Real>(seed: u64) {
         assert_eq!(table.threshold(), threshold);
         let exact = white.map(R::to_f64);
         for _ in 0..2_000 {
-            let xyz: [R; 3] =
-                core::array::from_fn(|a| R::from_f64(component(&mut draw, side) * exact[a]));
+            let xyz: [R; 3] = core::array::from_fn(|a| R::from_f64(component(&mut draw, side) * exact[a]));
             let tolerance = table.tolerance(xyz).to_f64();
             assert!(tolerance > 0.0);
             let below = 1.0 - 4.0 * R::EPSILON.to_f64();
@@ -213,8 +204,7 @@ fn any_scale<R: Real>(exponents: core::ops::RangeInclusive<i32>) {
         let pyramids = [Pyramid::build(&step, domain, &mut buffer).unwrap()];
         let ops = [Op::Leaf(0), Op::Leaf(0), Op::Product];
         let program = Program::new(&ops).unwrap();
-        let nodes: Vec<_> =
-            wavelengths.iter().zip(values).map(|(w, v)| (w.to_f64(), v.to_f64())).collect();
+        let nodes: Vec<_> = wavelengths.iter().zip(values).map(|(w, v)| (w.to_f64(), v.to_f64())).collect();
         let truth = Polyline::new(&nodes, Beyond::Hold);
         let dense = Dense::new(&cie_1931().unwrap(), &[&truth], [380.0, 780.0], 2);
         let truth = dense.integrate(&ops).xyz;
@@ -306,9 +296,8 @@ fn domains_and_pyramids_say_what_they_lack() {
     let observer = Observer::<f64>::cie_1931_2deg();
     let needed = node_count(DEPTH);
     let mut weights = vec![Weight::default(); needed];
-    let build = |depth, buffer: &mut [Weight<f64>]| {
-        Domain::build(observer, depth, buffer).map(|d| d.depth()).unwrap_err()
-    };
+    let build =
+        |depth, buffer: &mut [Weight<f64>]| Domain::build(observer, depth, buffer).map(|d| d.depth()).unwrap_err();
     assert_eq!(build(MAX_DEPTH + 1, &mut weights), BuildError::TooDeep);
     assert_eq!(build(255, &mut weights), BuildError::TooDeep);
     assert_eq!(build(DEPTH, &mut weights[1..]), BuildError::BufferTooSmall { needed });
@@ -364,18 +353,9 @@ fn evaluations_say_what_they_lack() {
             let mut pieces = vec![Piece::default(); pieces];
             let mut stages = vec![Stage::default(); stages];
             let sources = &mut pyramids.as_slice();
-            let adaptive =
-                evaluate(&program, domain, &target, sources, &mut stack, &mut pieces).map(|_| ());
-            let tabled = evaluate_by_table(
-                &program,
-                domain,
-                Mode::Certified,
-                &table,
-                sources,
-                &mut stack,
-                &mut pieces,
-            )
-            .map(|_| ());
+            let adaptive = evaluate(&program, domain, &target, sources, &mut stack, &mut pieces).map(|_| ());
+            let tabled = evaluate_by_table(&program, domain, Mode::Certified, &table, sources, &mut stack, &mut pieces)
+                .map(|_| ());
             let recorded = Subdivision::record(
                 &program,
                 domain,
@@ -389,9 +369,8 @@ fn evaluations_say_what_they_lack() {
                 &mut stages,
             )
             .map(|_| ());
-            let node = program
-                .evaluate(Node::ROOT, &domain.weight(Node::ROOT), Order::First, sources, &mut stack)
-                .map(|_| ());
+            let node =
+                program.evaluate(Node::ROOT, &domain.weight(Node::ROOT), Order::First, sources, &mut stack).map(|_| ());
             [adaptive, tabled, recorded, node]
         };
         let (leaf, ops) = (Op::Leaf(0), [Op::Leaf(0), Op::Leaf(0), Op::Product]);
@@ -406,13 +385,7 @@ fn evaluations_say_what_they_lack() {
         let program = Program::new(core::slice::from_ref(&leaf)).unwrap();
         let mut stack = [Interval::zero()];
         let missing = program
-            .evaluate(
-                below,
-                &domain.weight(below),
-                Order::First,
-                &mut pyramids.as_slice(),
-                &mut stack,
-            )
+            .evaluate(below, &domain.weight(below), Order::First, &mut pyramids.as_slice(), &mut stack)
             .unwrap_err();
         assert_eq!(missing, MissingSource { id: 0 });
     });
@@ -478,16 +451,12 @@ fn a_channel_that_sees_little_of_a_line_has_a_radius_for_it() {
             let mut buffer = vec![Interval::zero(); node_count(DEPTH)];
             let pyramid = Pyramid::build(&line, domain, &mut buffer).unwrap();
             for node in spectral_core::interval::nodes(DEPTH) {
-                let exact = Dense::new(&observer, &[&truth], node.limits(), 2)
-                    .integrate::<f32>(&[Op::Leaf(0)]);
+                let exact = Dense::new(&observer, &[&truth], node.limits(), 2).integrate::<f32>(&[Op::Leaf(0)]);
                 let found = pyramid.get(node).unwrap();
                 let xyz = found.tristimulus(&domain.weight(node));
                 for (a, xyz) in xyz.into_iter().enumerate() {
                     let off = (f64::from(xyz) - exact.xyz[a]).abs();
-                    assert!(
-                        off <= f64::from(found.radius[a]) + exact.error[a],
-                        "{centre}, {node:?}"
-                    );
+                    assert!(off <= f64::from(found.radius[a]) + exact.error[a], "{centre}, {node:?}");
                 }
             }
         }
@@ -510,11 +479,9 @@ fn the_unit_of_a_spectrum_is_of_no_account() {
         for unit in [1e-30_f32, 1e-20, 1e20, 1e30] {
             let other = of_unit(unit);
             for a in 0..3 {
-                for (found, expected) in [
-                    (other.norm[a], one.norm[a]),
-                    (other.absolute[a], one.absolute[a]),
-                    (other.mean, one.mean),
-                ] {
+                for (found, expected) in
+                    [(other.norm[a], one.norm[a]), (other.absolute[a], one.absolute[a]), (other.mean, one.mean)]
+                {
                     let ratio = found / unit / expected;
                     assert!(
                         (ratio - 1.0).abs() <= 64.0 * f32::EPSILON,
@@ -533,8 +500,7 @@ fn a_constant_is_as_exact_as_the_weights() {
         let observer = cie_1931().unwrap();
         for node in spectral_core::interval::nodes(DEPTH) {
             let one = Polyline::constant(1.0);
-            let exact =
-                Dense::new(&observer, &[&one], node.limits(), 1).integrate::<f32>(&[Op::Leaf(0)]);
+            let exact = Dense::new(&observer, &[&one], node.limits(), 1).integrate::<f32>(&[Op::Leaf(0)]);
             let weight = domain.weight(node);
             let found = Interval::constant(0.3_f32, &weight);
             for (a, xyz) in found.tristimulus(&weight).into_iter().enumerate() {

@@ -66,8 +66,7 @@ fn green_under_d65_takes_the_papers_nine_intervals_or_three_certified_ones() {
 
 #[test]
 fn the_colour_checker_under_d65_takes_few_intervals() {
-    let mean = [3.0, 1.0]
-        .map(|threshold| [mean_intervals::<f32>(threshold), mean_intervals::<f64>(threshold)]);
+    let mean = [3.0, 1.0].map(|threshold| [mean_intervals::<f32>(threshold), mean_intervals::<f64>(threshold)]);
     println!("mean certified intervals at thresholds 3 and 1: {mean:?}");
     assert!(mean[0].iter().all(|m| *m <= 2.6) && mean[1].iter().all(|m| *m <= 4.9), "{mean:?}");
 }

@@ -58,10 +58,8 @@ pub fn delta_e_00_weighted<R: Real>(first: [R; 3], second: [R; 3], [k_l, k_c, k_
     let chroma = (q.chroma - p.chroma) / (k_c * s_c);
     let hue_difference = hue.difference / (k_h * s_h);
     let rotation = rotation(hue.mean, mean_chroma);
-    let square = lightness * lightness
-        + chroma * chroma
-        + hue_difference * hue_difference
-        + rotation * chroma * hue_difference;
+    let square =
+        lightness * lightness + chroma * chroma + hue_difference * hue_difference + rotation * chroma * hue_difference;
     // The quadratic form is positive definite (|rotation| < 2), so that only rounding can take it below zero; and `max`
     // keeps NaN when it is the second operand.
     R::ZERO.max(square).sqrt()
@@ -135,8 +133,7 @@ fn hue_dependence<R: Real>(hue: R) -> R {
     let wave = |amplitude: f64, multiple: f64, phase: f64| {
         R::from_f64(amplitude) * radians(R::from_f64(multiple) * hue + R::from_f64(phase)).cos()
     };
-    R::ONE - wave(0.17, 1.0, -30.0) + wave(0.24, 2.0, 0.0) + wave(0.32, 3.0, 6.0)
-        - wave(0.20, 4.0, -63.0)
+    R::ONE - wave(0.17, 1.0, -30.0) + wave(0.24, 2.0, 0.0) + wave(0.32, 3.0, 6.0) - wave(0.20, 4.0, -63.0)
 }
 
 /// R_T: the coupling of chroma and hue differences among blues (equations 16, 17 and 21).
@@ -204,10 +201,7 @@ mod tests {
         for (first, second, expected) in SHARMA {
             for (p, q) in [(first, second), (second, first)] {
                 let actual = delta_e_00(p, q);
-                assert!(
-                    (actual - expected).abs() <= 1e-4,
-                    "{p:?} {q:?}: {actual}, published {expected}"
-                );
+                assert!((actual - expected).abs() <= 1e-4, "{p:?} {q:?}: {actual}, published {expected}");
             }
         }
     }
@@ -217,10 +211,7 @@ mod tests {
         for (first, second, expected) in SHARMA {
             let actual = f64::from(delta_e_00::<f32>(in_precision(first), in_precision(second)));
             // The colours themselves move by up to 4e-6 when rounded.
-            assert!(
-                (actual - expected).abs() <= 1e-4,
-                "{first:?} {second:?}: {actual}, published {expected}"
-            );
+            assert!((actual - expected).abs() <= 1e-4, "{first:?} {second:?}: {actual}, published {expected}");
         }
     }
 
@@ -228,9 +219,7 @@ mod tests {
     fn colours(count: u32) -> impl Iterator<Item = [f64; 3]> {
         let mut state = 1_u64;
         let mut unit = move || {
-            state = state
-                .wrapping_mul(6_364_136_223_846_793_005)
-                .wrapping_add(1_442_695_040_888_963_407);
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
             f64::from(u16::try_from(state >> 48).unwrap()) / 65_536.0
         };
         (0..count)
@@ -247,10 +236,7 @@ mod tests {
             }
             let exact = delta_e_00(first, second);
             let single = f64::from(delta_e_00::<f32>(in_precision(first), in_precision(second)));
-            assert!(
-                (single - exact).abs() <= 1e-4 + 1e-5 * exact,
-                "{first:?} {second:?}: {single}, exact {exact}"
-            );
+            assert!((single - exact).abs() <= 1e-4 + 1e-5 * exact, "{first:?} {second:?}: {single}, exact {exact}");
         }
     }
 
@@ -263,24 +249,9 @@ mod tests {
     #[test]
     fn agrees_with_colour_science_far_apart() {
         let cases = [
-            (
-                [61.29, 3.7, -5.39],
-                [35.08, -44.12, 3.79],
-                55.299_085_887_562_37,
-                39.669_667_635_036_84,
-            ),
-            (
-                [20.0, 60.0, -90.0],
-                [22.0, 55.0, -70.0],
-                20.712_315_177_207_98,
-                6.143_658_375_562_895,
-            ),
-            (
-                [97.0, -30.0, 80.0],
-                [60.0, 40.0, -80.0],
-                178.518_906_561_742_08,
-                84.330_718_035_811_23,
-            ),
+            ([61.29, 3.7, -5.39], [35.08, -44.12, 3.79], 55.299_085_887_562_37, 39.669_667_635_036_84),
+            ([20.0, 60.0, -90.0], [22.0, 55.0, -70.0], 20.712_315_177_207_98, 6.143_658_375_562_895),
+            ([97.0, -30.0, 80.0], [60.0, 40.0, -80.0], 178.518_906_561_742_08, 84.330_718_035_811_23),
         ];
         for (first, second, ab, ciede) in cases {
             assert!((delta_e_ab(first, second) - ab).abs() <= 4.0 * f64::EPSILON * ab);
@@ -290,9 +261,7 @@ mod tests {
 
     #[test]
     fn equal_colours_do_not_differ() {
-        for lab in
-            [[0.0; 3], [-0.0; 3], [50.0, -0.0, 0.0], [100.0, -80.0, 1e-320], [1e9, -1e9, 1e9]]
-        {
+        for lab in [[0.0; 3], [-0.0; 3], [50.0, -0.0, 0.0], [100.0, -80.0, 1e-320], [1e9, -1e9, 1e9]] {
             assert_eq!(delta_e_ab(lab, lab), 0.0);
             assert_eq!(delta_e_00(lab, lab), 0.0);
         }
@@ -328,11 +297,7 @@ mod tests {
                 let mut lab = [50.0, 10.0, 10.0];
                 lab[position] = bad;
                 assert!(!delta_e_ab(lab, [50.0; 3]).is_finite());
-                assert!(
-                    !delta_e_00(lab, [50.0; 3]).is_finite(),
-                    "{lab:?}: {}",
-                    delta_e_00(lab, [50.0; 3])
-                );
+                assert!(!delta_e_00(lab, [50.0; 3]).is_finite(), "{lab:?}: {}", delta_e_00(lab, [50.0; 3]));
             }
         }
     }

@@ -83,13 +83,8 @@ pub fn lab_f_inverse<R: Real>(s: R) -> R {
 #[inline]
 #[must_use]
 pub fn xyz_to_lab<R: Real>(xyz: [R; 3], white: [R; 3]) -> [R; 3] {
-    let [fx, fy, fz] =
-        [lab_f(xyz[0] / white[0]), lab_f(xyz[1] / white[1]), lab_f(xyz[2] / white[2])];
-    [
-        R::from_f64(116.0) * fy - R::from_f64(16.0),
-        R::from_f64(500.0) * (fx - fy),
-        R::from_f64(200.0) * (fy - fz),
-    ]
+    let [fx, fy, fz] = [lab_f(xyz[0] / white[0]), lab_f(xyz[1] / white[1]), lab_f(xyz[2] / white[2])];
+    [R::from_f64(116.0) * fy - R::from_f64(16.0), R::from_f64(500.0) * (fx - fy), R::from_f64(200.0) * (fy - fz)]
 }
 
 /// Tristimulus values of CIELAB (L\*, a\*, b\*), relative to a white: the inverse of [`xyz_to_lab`].
@@ -173,11 +168,7 @@ mod tests {
             let exact = lab_f(-f64::from(t));
             let tolerance = 1.5 * epsilon * (exact.abs() + OFFSET);
             // Beyond the range the result is −∞, as for any product.
-            assert!(
-                (f64::from(lab_f(-t)) - exact).abs() <= tolerance || lab_f(-t) == -f32::INFINITY,
-                "{:e}",
-                -t
-            );
+            assert!((f64::from(lab_f(-t)) - exact).abs() <= tolerance || lab_f(-t) == -f32::INFINITY, "{:e}", -t);
         }
     }
 
@@ -199,21 +190,7 @@ mod tests {
 
     #[test]
     fn the_inverse_comes_back() {
-        for t in [
-            -1e12,
-            -3.0,
-            -0.01,
-            0.0,
-            1e-320,
-            1e-9,
-            0.008,
-            DELTA_CUBED,
-            0.009,
-            0.5,
-            1.0,
-            40.0,
-            1e290,
-        ] {
+        for t in [-1e12, -3.0, -0.01, 0.0, 1e-320, 1e-9, 0.008, DELTA_CUBED, 0.009, 0.5, 1.0, 40.0, 1e290] {
             let back = lab_f_inverse(lab_f(t));
             let tolerance = 6.0 * f64::EPSILON * t.abs().max(DELTA_CUBED);
             assert!((back - t).abs() <= tolerance, "{t:e} came back as {back:e}");
@@ -225,15 +202,9 @@ mod tests {
     #[test]
     fn agrees_with_colour_science() {
         let cases = [
-            (
-                [0.2, 0.12, 0.05],
-                [41.216_120_124_466_91, 50.773_931_171_631_396, 27.028_649_916_043_545],
-            ),
+            ([0.2, 0.12, 0.05], [41.216_120_124_466_91, 50.773_931_171_631_396, 27.028_649_916_043_545]),
             ([0.9, 1.0, 0.3], [100.0, -9.011_444_076_209_074, 69.858_126_496_608_11]),
-            (
-                [0.001, 0.002, 0.003],
-                [1.806_592_592_592_593, -3.690_623_138_104_379, -1.176_233_578_618_707],
-            ),
+            ([0.001, 0.002, 0.003], [1.806_592_592_592_593, -3.690_623_138_104_379, -1.176_233_578_618_707]),
             ([1e-6, 0.0, 1e-7], [0.0, 0.004_096_413_898_938, -0.000_143_034_946_448]),
         ];
         for (xyz, expected) in cases {

@@ -16,8 +16,8 @@ pub mod xyz;
 pub use delta_e::{delta_e_00, delta_e_00_weighted, delta_e_ab};
 pub use lab::{lab_f, lab_f_inverse, lab_to_xyz, xyz_to_lab};
 pub use rgb::{
-    decode_srgb, encode_srgb, linear_rgb_to_srgb8, linear_rgb_to_xyz, quantise_8bit,
-    srgb8_to_linear_rgb, xyz_to_linear_rgb,
+    decode_srgb, encode_srgb, linear_rgb_to_srgb8, linear_rgb_to_xyz, quantise_8bit, srgb8_to_linear_rgb,
+    xyz_to_linear_rgb,
 };
 pub use xyz::{xyy_to_xyz, xyz_to_xyy};
 

@@ -34,8 +34,7 @@ const fn primaries_to_xyz() -> [[f64; 3]; 3] {
     let mut matrix = columns;
     let mut row = 0;
     while row < 3 {
-        matrix[row] =
-            [columns[row][0] * scale[0], columns[row][1] * scale[1], columns[row][2] * scale[2]];
+        matrix[row] = [columns[row][0] * scale[0], columns[row][1] * scale[1], columns[row][2] * scale[2]];
         row += 1;
     }
     matrix
@@ -173,8 +172,7 @@ mod tests {
         for axis in 0..3 {
             let mut unit = [0.0; 3];
             unit[axis] = 1.0;
-            for (back, expected) in product(RGB_TO_XYZ, product(XYZ_TO_RGB, unit)).iter().zip(unit)
-            {
+            for (back, expected) in product(RGB_TO_XYZ, product(XYZ_TO_RGB, unit)).iter().zip(unit) {
                 // Terms of magnitude up to 2, and two roundings in each factor.
                 assert!((back - expected).abs() <= 8.0 * f64::EPSILON, "column {axis}: {back}");
             }
@@ -210,8 +208,7 @@ mod tests {
     /// `independent`: `normalised_primary_matrix` of colour-science 0.4.7 from the same chromaticities.
     #[test]
     fn the_matrix_is_the_standards() {
-        let published =
-            [[0.4124, 0.3576, 0.1805], [0.2126, 0.7152, 0.0722], [0.0193, 0.1192, 0.9505]];
+        let published = [[0.4124, 0.3576, 0.1805], [0.2126, 0.7152, 0.0722], [0.0193, 0.1192, 0.9505]];
         let independent = [
             [0.412_390_799_265_959_34, 0.357_584_339_383_877_96, 0.180_480_788_401_834_3],
             [0.212_639_005_871_510_3, 0.715_168_678_767_755_9, 0.072_192_315_360_733_71],

@@ -85,10 +85,7 @@ mod tests {
 
     fn assert_close(actual: [f64; 3], expected: [f64; 3], tolerance: f64) {
         for (a, e) in actual.iter().zip(expected) {
-            assert!(
-                (a - e).abs() <= tolerance,
-                "{actual:?} is not {expected:?} within {tolerance}"
-            );
+            assert!((a - e).abs() <= tolerance, "{actual:?} is not {expected:?} within {tolerance}");
         }
     }
 
@@ -120,8 +117,7 @@ mod tests {
     #[test]
     fn chromaticity_and_back_is_the_identity_to_rounding() {
         for magnitude in [1e-300, 1e-12, 1.0, 1e12, 1e300] {
-            for direction in [[0.2, 0.3, 0.9], [1.0, 1e-6, 0.0], [0.0, 1.0, 0.0], [0.3, 0.4, -0.1]]
-            {
+            for direction in [[0.2, 0.3, 0.9], [1.0, 1e-6, 0.0], [0.0, 1.0, 0.0], [0.3, 0.4, -0.1]] {
                 let xyz = direction.map(|c| c * magnitude);
                 let back = xyy_to_xyz(xyz_to_xyy(xyz).unwrap()).unwrap();
                 // Z is formed from 1 − x − y, so its error is relative to the sum of all three.
@@ -143,10 +139,7 @@ mod tests {
         ] {
             assert_eq!(xyz_to_xyy(xyz), None, "{xyz:?}");
         }
-        assert!(
-            xyz_to_xyy([f64::from_bits(1); 3]).is_some(),
-            "subnormal numbers have a chromaticity"
-        );
+        assert!(xyz_to_xyy([f64::from_bits(1); 3]).is_some(), "subnormal numbers have a chromaticity");
     }
 
     #[test]

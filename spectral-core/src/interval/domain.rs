@@ -54,11 +54,7 @@ impl Node {
     /// The part this is a half of; `None` for the root.
     #[must_use]
     pub const fn parent(self) -> Option<Self> {
-        if self.level == 0 {
-            None
-        } else {
-            Some(Self { level: self.level - 1, index: self.index / 2 })
-        }
+        if self.level == 0 { None } else { Some(Self { level: self.level - 1, index: self.index / 2 }) }
     }
 
     /// The place in breadth-first order, from 0 for the root to 2^(depth+1) − 2.
@@ -159,11 +155,7 @@ impl<'a, R: Real> Domain<'a, R> {
     ///
     /// # Errors
     /// [`BuildError::TooDeep`] and [`BuildError::BufferTooSmall`].
-    pub fn build(
-        observer: Observer<'a, R>,
-        depth: u8,
-        buffer: &'a mut [Weight<R>],
-    ) -> Result<Self, BuildError> {
+    pub fn build(observer: Observer<'a, R>, depth: u8, buffer: &'a mut [Weight<R>]) -> Result<Self, BuildError> {
         if depth > MAX_DEPTH {
             return Err(BuildError::TooDeep);
         }
@@ -197,6 +189,5 @@ impl<'a, R: Real> Domain<'a, R> {
 
 /// All nodes down to `depth`, in the order of [`Node::position`].
 pub fn nodes(depth: u8) -> impl Iterator<Item = Node> {
-    (0..=depth.min(MAX_DEPTH))
-        .flat_map(|level| (0..1_u16 << level).map(move |index| Node { level, index }))
+    (0..=depth.min(MAX_DEPTH)).flat_map(|level| (0..1_u16 << level).map(move |index| Node { level, index }))
 }

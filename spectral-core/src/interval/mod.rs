@@ -17,10 +17,7 @@
 mod domain;
 mod pyramid;
 
-pub use domain::{
-    BuildError, Domain, FIRST_WAVELENGTH, LAST_WAVELENGTH, MAX_DEPTH, Node, Weight, node_count,
-    nodes,
-};
+pub use domain::{BuildError, Domain, FIRST_WAVELENGTH, LAST_WAVELENGTH, MAX_DEPTH, Node, Weight, node_count, nodes};
 pub use pyramid::Pyramid;
 
 use crate::Real;
@@ -73,15 +70,7 @@ impl<R: Real> Interval<R> {
     /// The spectrum 0.
     pub fn zero() -> Self {
         let none = [R::ZERO; 3];
-        Self {
-            mean: R::ZERO,
-            error: none,
-            norm: none,
-            absolute: none,
-            low: R::ZERO,
-            high: R::ZERO,
-            radius: none,
-        }
+        Self { mean: R::ZERO, error: none, norm: none, absolute: none, low: R::ZERO, high: R::ZERO, radius: none }
     }
 
     /// The deviation s = sup |S − m|, at least.
@@ -142,8 +131,7 @@ impl<R: Real> Interval<R> {
             let i = weight.integral[a];
             (self.mean.abs() + other.mean.abs()) * i + self.error[a].abs() + other.error[a].abs()
         };
-        let radius =
-            each(|a| total.radius[a] * up + (R::TWO * R::EPSILON * lost(a) + R::MIN_POSITIVE));
+        let radius = each(|a| total.radius[a] * up + (R::TWO * R::EPSILON * lost(a) + R::MIN_POSITIVE));
         total.widened(self.magnitude() + other.magnitude()).with_radius(radius)
     }
 
@@ -197,8 +185,7 @@ impl<R: Real> Interval<R> {
         let (sup1, sup2) = (self.magnitude(), other.magnitude());
         let (half1, half2) = (self.half_range(), other.half_range());
         let up = outward::<R>();
-        let mut result =
-            Self { mean: self.mean * other.mean, low, high, ..Self::zero() }.widened(sup1 * sup2);
+        let mut result = Self { mean: self.mean * other.mean, low, high, ..Self::zero() }.widened(sup1 * sup2);
         let half = result.half_range();
         for a in 0..3 {
             let (i, inverse, root) = (weight.integral[a], weight.inverse[a], weight.root[a]);
@@ -210,18 +197,13 @@ impl<R: Real> Interval<R> {
             let mean2 = (other.mean + e2 * inverse).abs() + lost * other.mean.abs();
             result.error[a] = self.mean * e2 + other.mean * e1 + e1 * e2 * inverse;
 
-            let covariance = (self.norm[a] * other.norm[a])
-                .min(half1 * other.absolute[a])
-                .min(half2 * self.absolute[a]);
+            let covariance =
+                (self.norm[a] * other.norm[a]).min(half1 * other.absolute[a]).min(half2 * self.absolute[a]);
             let size = mean1 * mean2 * i;
             let rounding = R::from_f64(6.0 + WEIGHT_ROUNDING)
                 * R::EPSILON
-                * (size
-                    + (self.mean * e2).abs()
-                    + (other.mean * e1).abs()
-                    + (e1 * e2 * inverse).abs());
-            let radius = (mean1 * r2 + mean2 * r1 + r1 * r2 * inverse + covariance) * up
-                + (rounding + R::MIN_POSITIVE);
+                * (size + (self.mean * e2).abs() + (other.mean * e1).abs() + (e1 * e2 * inverse).abs());
+            let radius = (mean1 * r2 + mean2 * r1 + r1 * r2 * inverse + covariance) * up + (rounding + R::MIN_POSITIVE);
 
             // |μ| of the true spectra, for the spread of the product.
             let true1 = sup1.min(mean1 + r1 * inverse);
@@ -259,11 +241,7 @@ impl<R: Real> Interval<R> {
     /// S₁ + S₂ to first order alone; the other fields are not used.
     #[inline]
     pub fn sum_first_order(&self, other: &Self) -> Self {
-        Self {
-            mean: self.mean + other.mean,
-            error: each(|a| self.error[a] + other.error[a]),
-            ..Self::zero()
-        }
+        Self { mean: self.mean + other.mean, error: each(|a| self.error[a] + other.error[a]), ..Self::zero() }
     }
 
     /// Schlick's spectral term to first order alone; the other fields are not used.

@@ -30,10 +30,7 @@ impl<'a, R: Real> Pyramid<'a, R> {
         let entries = buffer.get_mut(..needed).ok_or(BuildError::BufferTooSmall { needed })?;
         for (node, entry) in nodes(domain.depth()).zip(entries.iter_mut()) {
             *entry = Interval::of_spectrum(spectrum, domain, node);
-            let sums = [entry.mean, entry.low, entry.high]
-                .into_iter()
-                .chain(entry.error)
-                .chain(entry.norm);
+            let sums = [entry.mean, entry.low, entry.high].into_iter().chain(entry.error).chain(entry.norm);
             if !sums.chain(entry.radius).all(R::is_finite) {
                 return Err(BuildError::NotFinite);
             }
@@ -59,11 +56,7 @@ impl<R: Real> Interval<R> {
     /// A spectrum on one part of the domain, integrated exactly.
     ///
     /// Where the spectrum is not finite, so are some of the fields.
-    pub fn of_spectrum<S: Spectrum<R> + ?Sized>(
-        spectrum: &S,
-        domain: &Domain<'_, R>,
-        node: Node,
-    ) -> Self {
+    pub fn of_spectrum<S: Spectrum<R> + ?Sized>(spectrum: &S, domain: &Domain<'_, R>, node: Node) -> Self {
         let weight = domain.weight(node);
         let [from, to] = node.limits();
         let mut values = [Sum::<R>::default(); 3];
@@ -89,8 +82,7 @@ impl<R: Real> Interval<R> {
                 norm[a] * (R::ONE + rounding) + (rounding * size * weight.root[a] + R::MIN_POSITIVE)
             }),
             absolute: core::array::from_fn(|a| {
-                absolute[a] * (R::ONE + rounding)
-                    + (rounding * size * weight.integral[a] + R::MIN_POSITIVE)
+                absolute[a] * (R::ONE + rounding) + (rounding * size * weight.integral[a] + R::MIN_POSITIVE)
             }),
             low: low - (rounding * size + R::MIN_POSITIVE),
             high: high + (rounding * size + R::MIN_POSITIVE),
@@ -132,8 +124,5 @@ fn spread<R: Real, S: Spectrum<R> + ?Sized>(
             absolutes[a].add(piece.absolute(a, centre[a]));
         }
     });
-    (
-        squares.map(|s| s.value().max(R::ZERO).sqrt() * unit),
-        absolutes.map(|s| s.value().max(R::ZERO)),
-    )
+    (squares.map(|s| s.value().max(R::ZERO).sqrt() * unit), absolutes.map(|s| s.value().max(R::ZERO)))
 }

@@ -117,10 +117,6 @@ impl<R: Real> Spectrum<R> for Daylight<R> {
 
     fn value(&self, wavelength: R) -> R {
         let last = self.grid.count.saturating_sub(1);
-        if wavelength == self.grid.node(last) {
-            self.node(last)
-        } else {
-            self.segment(wavelength).first
-        }
+        if wavelength == self.grid.node(last) { self.node(last) } else { self.segment(wavelength).first }
     }
 }

@@ -67,16 +67,12 @@ impl fmt::Display for SpectrumError {
             Self::Range => f.write_str("the wavelengths span more than the number type can hold"),
             Self::Value { index } => write!(f, "value {index} is not finite"),
             Self::Negative { index } => write!(f, "value {index} is negative"),
-            Self::Step => {
-                f.write_str("the step between wavelengths is not positive and finite, or too small")
-            }
+            Self::Step => f.write_str("the step between wavelengths is not positive and finite, or too small"),
             Self::Width { index } => {
                 write!(f, "the width of line {index} is not positive and finite, or too narrow")
             }
             Self::Temperature => f.write_str("the temperature is not above 0 K and at most 1e9 K"),
-            Self::ColourTemperature => {
-                f.write_str("the correlated colour temperature is not in 4000 K to 25000 K")
-            }
+            Self::ColourTemperature => f.write_str("the correlated colour temperature is not in 4000 K to 25000 K"),
         }
     }
 }

@@ -49,8 +49,7 @@ impl<R: Real> Place<R> {
 /// as to the ends when neither is negative.
 #[inline]
 pub(crate) fn interpolate<R: Real>(first: R, last: R, below: R, above: R) -> R {
-    let (near, far, part) =
-        if below <= above { (first, last, below) } else { (last, first, above) };
+    let (near, far, part) = if below <= above { (first, last, below) } else { (last, first, above) };
     near + (far - near) * (part / (below + above))
 }
 

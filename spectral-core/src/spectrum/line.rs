@@ -93,10 +93,7 @@ impl<'a, R: Real> Lines<'a, R> {
     /// The lengths differ, or a line is refused as by [`Line::new`]: the error has its index.
     pub fn new(centres: &'a [R], powers: &'a [R], width: R) -> Result<Self, SpectrumError> {
         if centres.len() != powers.len() {
-            return Err(SpectrumError::LengthMismatch {
-                wavelengths: centres.len(),
-                values: powers.len(),
-            });
+            return Err(SpectrumError::LengthMismatch { wavelengths: centres.len(), values: powers.len() });
         }
         for (index, (&centre, &power)) in centres.iter().zip(powers).enumerate() {
             Line::new(centre, width, power).map_err(|error| at(error, index))?;
@@ -107,10 +104,7 @@ impl<'a, R: Real> Lines<'a, R> {
     /// The lines.
     pub fn iter(&self) -> impl Iterator<Item = Line<R>> + 'a {
         let width = self.width;
-        self.centres
-            .iter()
-            .zip(self.powers)
-            .map(move |(&centre, &power)| Line::triangle(centre, width, power))
+        self.centres.iter().zip(self.powers).map(move |(&centre, &power)| Line::triangle(centre, width, power))
     }
 }
 

@@ -31,28 +31,17 @@ impl<'a, R: Real> PiecewiseLinear<'a, R> {
     /// # Errors
     /// The lengths differ, there are fewer than two nodes, a wavelength or value isn't finite, or the wavelengths
     /// don't increase strictly: the error names the first node at fault.
-    pub fn new(
-        wavelengths: &'a [R],
-        values: &'a [R],
-        outside: Outside,
-    ) -> Result<Self, SpectrumError> {
+    pub fn new(wavelengths: &'a [R], values: &'a [R], outside: Outside) -> Result<Self, SpectrumError> {
         if wavelengths.len() != values.len() {
-            return Err(SpectrumError::LengthMismatch {
-                wavelengths: wavelengths.len(),
-                values: values.len(),
-            });
+            return Err(SpectrumError::LengthMismatch { wavelengths: wavelengths.len(), values: values.len() });
         }
-        let (Some(&first), Some(&last), 2..) =
-            (wavelengths.first(), wavelengths.last(), wavelengths.len())
-        else {
+        let (Some(&first), Some(&last), 2..) = (wavelengths.first(), wavelengths.last(), wavelengths.len()) else {
             return Err(SpectrumError::TooFewNodes { count: wavelengths.len() });
         };
         if let Some(index) = wavelengths.iter().position(|w| !w.is_finite()) {
             return Err(SpectrumError::Wavelength { index });
         }
-        if let Some(before) =
-            wavelengths.windows(2).position(|pair| !matches!(pair, [a, b] if a < b))
-        {
+        if let Some(before) = wavelengths.windows(2).position(|pair| !matches!(pair, [a, b] if a < b)) {
             return Err(SpectrumError::Order { index: before + 1 });
         }
         if !(last - first).is_finite() {
@@ -63,11 +52,7 @@ impl<'a, R: Real> PiecewiseLinear<'a, R> {
     }
 
     /// The spectrum of a built-in table, whose validity the tests assert.
-    pub(crate) const fn from_table(
-        wavelengths: &'a [R],
-        values: &'a [R],
-        outside: Outside,
-    ) -> Self {
+    pub(crate) const fn from_table(wavelengths: &'a [R], values: &'a [R], outside: Outside) -> Self {
         Self { wavelengths, values, outside }
     }
 
@@ -93,10 +78,7 @@ impl<'a, R: Real> PiecewiseLinear<'a, R> {
 
     fn locate(&self, wavelength: R) -> Place<R> {
         let above = self.wavelengths.partition_point(|&node| node <= wavelength);
-        match (
-            above.checked_sub(1).and_then(|index| self.wavelengths.get(index)),
-            self.wavelengths.get(above),
-        ) {
+        match (above.checked_sub(1).and_then(|index| self.wavelengths.get(index)), self.wavelengths.get(above)) {
             (Some(&start), Some(&end)) => Place::Between { index: above - 1, start, end },
             (None, Some(&first)) => Place::Below(first),
             (_, None) => Place::Above,
@@ -106,8 +88,7 @@ impl<'a, R: Real> PiecewiseLinear<'a, R> {
 
 impl<R: Real> Spectrum<R> for PiecewiseLinear<'_, R> {
     fn segment(&self, wavelength: R) -> Segment<R> {
-        self.locate(wavelength)
-            .segment(wavelength, self.values.len(), self.outside, |index| node(self.values, index))
+        self.locate(wavelength).segment(wavelength, self.values.len(), self.outside, |index| node(self.values, index))
     }
 
     fn value(&self, wavelength: R) -> R {
@@ -135,12 +116,7 @@ impl<'a, R: Real> Uniform<'a, R> {
     /// # Errors
     /// There are fewer than two values, one isn't finite (the error has its index), `first` isn't finite, the last
     /// wavelength isn't, or `step` is not positive and finite or so small that nodes coincide in `R`.
-    pub fn new(
-        first: R,
-        step: R,
-        values: &'a [R],
-        outside: Outside,
-    ) -> Result<Self, SpectrumError> {
+    pub fn new(first: R, step: R, values: &'a [R], outside: Outside) -> Result<Self, SpectrumError> {
         let grid = Grid::new(first, step, values.len())?;
         check_finite(values)?;
         Ok(Self { grid, values, outside })
@@ -187,11 +163,7 @@ impl<R: Real> Spectrum<R> for Uniform<'_, R> {
 
     fn value(&self, wavelength: R) -> R {
         let last = self.values.len().saturating_sub(1);
-        if wavelength == self.grid.node(last) {
-            node(self.values, last)
-        } else {
-            self.segment(wavelength).first
-        }
+        if wavelength == self.grid.node(last) { node(self.values, last) } else { self.segment(wavelength).first }
     }
 }
 

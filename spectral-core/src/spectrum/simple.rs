@@ -36,11 +36,7 @@ impl<R: Real, S: Spectrum<R>> Scaled<S, R> {
     /// # Errors
     /// [`SpectrumError::Value`] with index 0 when the factor isn't finite.
     pub fn new(spectrum: S, factor: R) -> Result<Self, SpectrumError> {
-        if factor.is_finite() {
-            Ok(Self { spectrum, factor })
-        } else {
-            Err(SpectrumError::Value { index: 0 })
-        }
+        if factor.is_finite() { Ok(Self { spectrum, factor }) } else { Err(SpectrumError::Value { index: 0 }) }
     }
 }
 

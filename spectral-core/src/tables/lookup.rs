@@ -1,19 +1,11 @@
 //! Built-in tables by name.
 
 use super::{GlassTable, LineTable, MetalTable, UniformTable};
-use super::{
-    cornell_lamp, fluorescent, glasses, high_pressure, illuminants, led, lines, metals, narrowband,
-};
+use super::{cornell_lamp, fluorescent, glasses, high_pressure, illuminants, led, lines, metals, narrowband};
 
 /// The families of light sources, in the order in which [`lights`] lists them.
-static FAMILIES: [&[UniformTable]; 6] = [
-    &illuminants::ALL,
-    &fluorescent::ALL,
-    &high_pressure::ALL,
-    &led::ALL,
-    &narrowband::ALL,
-    &cornell_lamp::ALL,
-];
+static FAMILIES: [&[UniformTable]; 6] =
+    [&illuminants::ALL, &fluorescent::ALL, &high_pressure::ALL, &led::ALL, &narrowband::ALL, &cornell_lamp::ALL];
 
 /// All built-in light sources that are sampled spectra: relative spectral powers on the grid of their source.
 ///
@@ -49,7 +41,6 @@ pub fn find_glass(name: &str) -> Option<&'static GlassTable> {
 }
 
 fn same(a: &str, b: &str) -> bool {
-    let fold =
-        |byte: u8| if matches!(byte, b'_' | b' ') { b'-' } else { byte.to_ascii_lowercase() };
+    let fold = |byte: u8| if matches!(byte, b'_' | b' ') { b'-' } else { byte.to_ascii_lowercase() };
     a.len() == b.len() && a.bytes().zip(b.bytes()).all(|(a, b)| fold(a) == fold(b))
 }

@@ -176,21 +176,13 @@ impl MetalTable {
     /// The refractive index n as a function of wavelength, held outside the table's range.
     #[must_use]
     pub fn n<R: Real>(&self) -> PiecewiseLinear<'static, R> {
-        PiecewiseLinear::from_table(
-            R::samples(&self.wavelengths),
-            R::samples(&self.n),
-            Outside::Hold,
-        )
+        PiecewiseLinear::from_table(R::samples(&self.wavelengths), R::samples(&self.n), Outside::Hold)
     }
 
     /// The extinction coefficient k as a function of wavelength, held outside the table's range.
     #[must_use]
     pub fn k<R: Real>(&self) -> PiecewiseLinear<'static, R> {
-        PiecewiseLinear::from_table(
-            R::samples(&self.wavelengths),
-            R::samples(&self.k),
-            Outside::Hold,
-        )
+        PiecewiseLinear::from_table(R::samples(&self.wavelengths), R::samples(&self.k), Outside::Hold)
     }
 }
 
