@@ -1,7 +1,7 @@
 //! Exact integrals of piecewise linear functions, up to rounding: the walk over the pieces that a spectrum and the
 //! colour-matching functions share.
 
-use crate::spectrum::Segment;
+use crate::spectrum::interpolate;
 use crate::{Observer, Real, Spectrum};
 
 /// A running sum with Neumaier's compensation: the result is within 2 ulp of the exact sum of the rounded terms as long
@@ -70,7 +70,8 @@ impl<R: Real> Piece<R> {
         let first = self.value[0] - centre;
         let last = self.value[1] - centre;
         let [w0, w1] = self.weights(a);
-        if first * last >= R::ZERO {
+        // By signs: the product of small numbers underflows.
+        if (first >= R::ZERO) == (last >= R::ZERO) {
             return (first * w0 + last * w1).abs();
         }
         // The difference changes sign inside: two triangles, each against a linear weight.
@@ -82,10 +83,10 @@ impl<R: Real> Piece<R> {
         (left + right) * self.width / R::from_f64(6.0)
     }
 
-    /// ∫ (S − centre)² ā.
-    pub(crate) fn square(&self, a: usize, centre: R) -> R {
-        let first = self.value[0] - centre;
-        let last = self.value[1] - centre;
+    /// ∫ ((S − centre) / unit)² ā: with a unit of S's size, squares neither overflow nor underflow.
+    pub(crate) fn square(&self, a: usize, centre: R, unit: R) -> R {
+        let first = (self.value[0] - centre) / unit;
+        let last = (self.value[1] - centre) / unit;
         let [a0, a1] = self.channel(a);
         let three = R::from_f64(3.0);
         let sum =
@@ -110,8 +111,8 @@ pub(crate) fn for_each_piece<R: Real, S: Spectrum<R> + ?Sized>(
         let end = to.min(segment.end).min(cell_end);
         let at = |wavelength: R| {
             if segment.end.is_finite() {
-                let t = (wavelength - start) / (segment.end - start);
-                segment.first * (R::ONE - t) + segment.last * t
+                let (below, above) = (wavelength - start, segment.end - wavelength);
+                interpolate(segment.first, segment.last, below, above)
             } else {
                 segment.first
             }
@@ -157,7 +158,8 @@ pub(crate) fn product_integrals<R: Real>(
             for at in both.into_iter().take(if abscissa > R::ZERO { 2 } else { 1 }) {
                 let mut product = half * gauss_weight;
                 for factor in factors.iter().take(MAX_FACTORS) {
-                    product *= linear(&factor.segment(position), position, at);
+                    let segment = factor.segment(position);
+                    product *= interpolate(segment.first, segment.last, at - position, segment.end - at);
                 }
                 for (a, value) in cmf(at).into_iter().enumerate() {
                     sums[0][a].add(product * value);
@@ -168,15 +170,6 @@ pub(crate) fn product_integrals<R: Real>(
         position = end;
     }
     sums.map(|three| three.map(Sum::value))
-}
-
-/// A piece that starts at `start`, at a wavelength in it.
-fn linear<R: Real>(segment: &Segment<R>, start: R, at: R) -> R {
-    if !segment.end.is_finite() {
-        return segment.first;
-    }
-    let t = (at - start) / (segment.end - start);
-    segment.first * (R::ONE - t) + segment.last * t
 }
 
 /// ∫ S ā over [`from`, `to`] in nm for the three colour-matching functions of an observer: tristimulus values in the

@@ -1,6 +1,7 @@
 //! Colour-matching functions.
 
 use crate::Real;
+use crate::spectrum::interpolate;
 use crate::tables::{ObserverTable, observers};
 
 /// The colour-matching functions x̄, ȳ, z̄ of an observer, linear between equidistant nodes and 0 outside them.
@@ -16,7 +17,8 @@ pub struct Observer<'a, R> {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum ObserverError {
-    /// The first wavelength is not finite, or the step is not a positive finite number.
+    /// The first or last wavelength is not finite, or the step is not positive and finite, or too small to tell the nodes apart in
+    /// the number type.
     Grid,
     /// The three columns differ in length or have fewer than two nodes.
     Length,
@@ -58,12 +60,29 @@ impl<'a, R: Real> Observer<'a, R> {
         if x.len() < 2 || x.len() != y.len() || x.len() != z.len() {
             return Err(ObserverError::Length);
         }
+        let observer = Self { first, step, columns, count: x.len() };
+        // Two roundings a node: distinct, and `cell` guesses within one node, when a step is several ULPs.
+        let coarsest = first.abs().max(observer.last().abs()) * R::EPSILON;
+        if !(step >= coarsest * R::from_usize(4)) {
+            return Err(ObserverError::Grid);
+        }
         for (channel, column) in columns.iter().enumerate() {
             if let Some(index) = column.iter().position(|v| !(v.is_finite() && *v >= R::ZERO)) {
                 return Err(ObserverError::Value { channel, index });
             }
         }
-        Ok(Self { first, step, columns, count: x.len() })
+        Ok(observer)
+    }
+
+    /// The wavelength of the last node.
+    fn last(&self) -> R {
+        self.wavelength(self.count.saturating_sub(1))
+    }
+
+    /// The wavelength of a node.
+    #[inline]
+    fn wavelength(&self, index: usize) -> R {
+        self.first + self.step * R::from_usize(index)
     }
 
     /// The colour-matching functions at the node `index`; zeros outside the table.
@@ -77,35 +96,34 @@ impl<'a, R: Real> Observer<'a, R> {
     /// The end is above `wavelength` for every finite wavelength.
     #[inline]
     pub(crate) fn cell(&self, wavelength: R) -> (R, impl Fn(R) -> [R; 3] + use<R>) {
-        let last = self.first + self.step * R::from_usize(self.count - 1);
-        let inside = wavelength >= self.first && wavelength < last;
+        let inside = wavelength >= self.first && wavelength < self.last();
         let (end, start, nodes) = if inside {
             let mut index = ((wavelength - self.first) / self.step).to_usize();
-            let mut end = self.first + self.step * R::from_usize(index + 1);
-            if end <= wavelength {
-                // The quotient was rounded down across the node.
+            // The quotient may have been rounded across a node.
+            if index > 0 && self.wavelength(index) > wavelength {
+                index -= 1;
+            } else if self.wavelength(index + 1) <= wavelength {
                 index += 1;
-                end = self.first + self.step * R::from_usize(index + 1);
             }
-            (end, end - self.step, [self.node(index), self.node(index + 1)])
+            let nodes = [self.node(index), self.node(index + 1)];
+            (self.wavelength(index + 1), self.wavelength(index), nodes)
         } else {
             let end = if wavelength < self.first { self.first } else { R::INFINITY };
-            (end, self.first, [[R::ZERO; 3]; 2])
+            // Nothing is interpolated outside: any start serves.
+            (end, wavelength, [[R::ZERO; 3]; 2])
         };
-        let step = self.step;
         let at = move |position: R| {
             let [first, second] = nodes;
-            let t = ((position - start) / step).clamp(R::ZERO, R::ONE);
-            core::array::from_fn(|a| first[a] * (R::ONE - t) + second[a] * t)
+            let (below, above) = (position - start, end - position);
+            core::array::from_fn(|a| interpolate(first[a], second[a], below, above))
         };
         (end, at)
     }
 
     /// x̄, ȳ, z̄ at a wavelength in nm; zeros outside the table and for NaN.
     pub fn value(&self, wavelength: R) -> [R; 3] {
-        let last = self.first + self.step * R::from_usize(self.count - 1);
-        if wavelength == last {
-            return self.node(self.count - 1);
+        if wavelength == self.last() {
+            return self.node(self.count.saturating_sub(1));
         }
         if wavelength.is_finite() { self.cell(wavelength).1(wavelength) } else { [R::ZERO; 3] }
     }

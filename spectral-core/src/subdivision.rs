@@ -2,7 +2,7 @@
 
 use crate::Real;
 use crate::adaptive::{Criterion, Mode, Piece, Status, Total, refine};
-use crate::bound::{ColourBound, delta_e_bound, delta_e_majorant};
+use crate::bound::{ColourBound, delta_e_bound, delta_e_majorant, delta_e_majorant_up_to};
 use crate::expression::{ExpressionError, Program, Sources};
 use crate::interval::{Domain, Interval, Weight};
 
@@ -13,7 +13,7 @@ pub struct Stage<R> {
     pub xyz: [R; 3],
     /// How far each may be off at scale 1.
     pub radius: [R; 3],
-    /// The largest scale at which the bound is at or under the threshold.
+    /// The largest scale at which the bound is at or under the threshold; negative when there is none.
     pub max_scale: R,
 }
 
@@ -119,7 +119,10 @@ impl<R: Real> Criterion<R> for Recorder<'_, R> {
         if let Some(stage) = self.stages.get_mut(pieces.saturating_sub(1)) {
             *stage = Stage { xyz: total.xyz, radius: total.radius, max_scale };
         }
-        (delta_e_bound(total.xyz, total.radius, self.white), max_scale >= self.largest)
+        // Refined for the scale at which the stage is just enough, where nothing underflows.
+        let scale = if max_scale > R::ZERO { max_scale } else { R::ONE };
+        let [xyz, radius] = [total.xyz, total.radius].map(|v| v.map(|v| v * scale));
+        (delta_e_bound(xyz, radius, self.white), max_scale >= self.largest)
     }
     fn met(&self, xyz: [R; 3], radius: [R; 3]) -> bool {
         max_scale(xyz, radius, self.white, self.threshold) >= self.largest
@@ -136,18 +139,19 @@ fn max_scale<R: Real>(xyz: [R; 3], radius: [R; 3], white: [R; 3], threshold: R) 
                 + R::from_f64(4.0) * R::EPSILON * scaled[a].abs()
                 + R::from_f64(4.0) * R::MIN_POSITIVE
         });
-        delta_e_majorant(scaled, reach, white) <= threshold
+        delta_e_majorant_up_to(scaled, reach, white) <= threshold
     };
-    let limit = R::MAX.sqrt().sqrt();
-    if enough(limit) {
-        return R::MAX;
+    let (mut low, mut high) = (R::MIN_POSITIVE, R::MAX);
+    if enough(high) {
+        return high;
     }
-    let (mut low, mut high) = (R::ONE / limit, limit);
     if !enough(low) {
-        return R::ZERO;
+        return if enough(R::ZERO) { R::ZERO } else { -R::ONE };
     }
-    for _ in 0..48 {
-        let middle = (low * high).sqrt();
+    // To within 2⁻²⁴ in `f32` and 2⁻²¹ in `f64`, of ranges of 2⁸ and 2¹¹ binades.
+    for _ in 0..32 {
+        // Of numbers far apart, the product may overflow or underflow.
+        let middle = low.sqrt() * high.sqrt();
         if enough(middle) {
             low = middle;
         } else {

@@ -20,10 +20,12 @@ pub struct ThresholdTable<'a, R> {
 
 impl<'a, R: Real> ThresholdTable<'a, R> {
     /// Fills the caller's `buffer` of at least `cells_per_side`³ entries for a threshold in ΔE*ab; `None` when it is smaller,
-    /// `cells_per_side` is 0, or `white` is not positive and finite.
+    /// `cells_per_side` is 0, `threshold` is negative or NaN, or `white` is not positive and finite.
     pub fn build(cells_per_side: usize, threshold: R, white: [R; 3], buffer: &'a mut [R]) -> Option<Self> {
         let count = cells_per_side.checked_mul(cells_per_side)?.checked_mul(cells_per_side)?;
-        if cells_per_side == 0 || !white.iter().all(|w| *w > R::ZERO && w.is_finite()) {
+        let positive = white.iter().all(|w| *w > R::ZERO && w.is_finite());
+        let defined = threshold >= R::ZERO;
+        if cells_per_side == 0 || !positive || !defined {
             return None;
         }
         let cells = buffer.get_mut(..count)?;
@@ -68,7 +70,7 @@ impl<'a, R: Real> ThresholdTable<'a, R> {
     #[inline]
     pub fn accepts(&self, xyz: [R; 3], radius: [R; 3]) -> bool {
         let tolerance = self.tolerance(xyz);
-        (0..3).all(|a| radius[a] * self.inverse_white[a] <= tolerance)
+        (0..3).all(|a| radius[a] * self.inverse_white[a] <= tolerance && xyz[a].is_finite())
     }
 }
 

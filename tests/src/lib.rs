@@ -1,4 +1,9 @@
 //! Oracles and statistics shared by the tests; nothing in the workspace depends on this crate.
 
+extern crate alloc;
+
+pub mod certify;
+pub mod dense;
+pub mod generators;
 pub mod statistics;
 pub mod tables;

@@ -82,8 +82,7 @@ impl ChiSquare {
         let total = to_f64(observed.iter().sum());
         let same_sum = (total - expected.iter().sum::<f64>()).abs() <= 0.01 * total;
         let usable = observed.len() == expected.len() && same_sum && !impossible && degrees > 0;
-        let p_value =
-            if usable { upper_gamma(to_f64(degrees as u64) / 2.0, statistic / 2.0) } else { 0.0 };
+        let p_value = if usable { upper_gamma(to_f64(degrees as u64) / 2.0, statistic / 2.0) } else { 0.0 };
         Self { statistic, degrees, p_value }
     }
 
@@ -97,11 +96,7 @@ impl ChiSquare {
 
 impl fmt::Display for ChiSquare {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(
-            f,
-            "χ² = {:.1} with {} degrees of freedom, p = {:.3e}",
-            self.statistic, self.degrees, self.p_value
-        )
+        write!(f, "χ² = {:.1} with {} degrees of freedom, p = {:.3e}", self.statistic, self.degrees, self.p_value)
     }
 }
 
@@ -178,9 +173,7 @@ mod tests {
     fn ln_gamma_matches_factorials_and_the_half_integers() {
         let mut factorial = 1.0_f64;
         for n in 1..30_u32 {
-            assert!(
-                (ln_gamma(f64::from(n)) - factorial.ln()).abs() <= 1e-13 * (1.0 + factorial.ln())
-            );
+            assert!((ln_gamma(f64::from(n)) - factorial.ln()).abs() <= 1e-13 * (1.0 + factorial.ln()));
             factorial *= f64::from(n);
         }
         assert!((ln_gamma(0.5) - core::f64::consts::PI.sqrt().ln()).abs() <= 1e-14);

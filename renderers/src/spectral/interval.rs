@@ -85,7 +85,7 @@ impl<'a> SharedIntervals<'a> {
     /// A product of spectra on an interval.
     fn product(&self, leaves: &[u32], node: Node, weight: &Weight<f64>) -> Interval<f64> {
         let mut factors = leaves.iter().filter_map(|leaf| self.pyramids.get(*leaf as usize)?.get(node));
-        let Some(first) = factors.next() else { return Interval::constant(1.0) };
+        let Some(first) = factors.next() else { return Interval::constant(1.0, weight) };
         let product = factors.fold(*first, |product, factor| match self.order() {
             Order::First => product.product_first_order(factor),
             Order::Certified => product.product(factor, weight),

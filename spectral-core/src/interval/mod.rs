@@ -9,9 +9,10 @@
 //! ∫S₁S₂ā = I_a μ₁μ₂ + ∫(S₁−μ₁)(S₂−μ₂) ā, and what is left is a covariance, bounded by Cauchy–Schwarz from the norms, or
 //! from the range of one factor and the absolute deviation of the other, whichever is less.
 //!
-//! Every operator rounds its bounds outwards, so that they hold for the computed numbers, in `f32` and in `f64`. Domain:
-//! magnitudes whose products with I_a (up to 107 nm) neither overflow nor underflow; beyond it radii become infinite or NaN,
-//! never too small. [`Interval`]'s own bounds concern one interval; [`crate::adaptive`] sums them over the visible domain.
+//! Every operator rounds its bounds outwards, so that they hold for the computed numbers, in `f32` and in `f64`. Where numbers
+//! underflow, the bounds still hold, and are of the size of the least normal number; where they overflow, radii become infinite or
+//! NaN, never too small. A spectrum's own values are taken to be exact to a few ε, which piecewise linear ones are as long as
+//! they don't change sign between two nodes. [`Interval`]'s own bounds concern one interval; [`crate::adaptive`] sums them over the visible domain.
 
 mod domain;
 mod pyramid;
@@ -46,6 +47,10 @@ pub struct Interval<R> {
 /// Relative slack that covers the rounding of one operator's bounds, in units of ε.
 const SLACK: f64 = 16.0;
 
+/// The relative error of a weight I_a in units of ε: interpolation of ā (2), a piece's formula (1), the table rounded to the type
+/// (½) and the compensated sum (2), with some to spare.
+const WEIGHT_ROUNDING: f64 = 8.0;
+
 #[inline]
 fn outward<R: Real>() -> R {
     R::ONE + R::from_f64(SLACK) * R::EPSILON
@@ -57,9 +62,9 @@ fn each<R: Real>(f: impl FnMut(usize) -> R) -> [R; 3] {
 }
 
 impl<R: Real> Interval<R> {
-    /// A spectrum that has the same value all over the interval.
-    pub fn constant(value: R) -> Self {
-        Self { mean: value, low: value, high: value, ..Self::zero() }
+    /// A spectrum that has the same value all over the interval; the radius covers the rounding of the weight.
+    pub fn constant(value: R, weight: &Weight<R>) -> Self {
+        Self::zero().shifted(value, weight)
     }
 
     /// The spectrum 0.
@@ -139,8 +144,8 @@ impl<R: Real> Interval<R> {
         Self {
             mean: self.mean * factor,
             error: each(|a| self.error[a] * factor),
-            norm: each(|a| self.norm[a] * size * up),
-            absolute: each(|a| self.absolute[a] * size * up),
+            norm: each(|a| self.norm[a] * size * up + R::MIN_POSITIVE),
+            absolute: each(|a| self.absolute[a] * size * up + R::MIN_POSITIVE),
             low: p.min(q),
             high: p.max(q),
             radius: each(|a| self.radius[a] * size),
@@ -155,12 +160,19 @@ impl<R: Real> Interval<R> {
         self.scale(R::ONE - fresnel, weight).shifted(fresnel, weight)
     }
 
-    /// S + c.
+    /// S + c, where ∫cā = c I_a is as exact as the weight is.
     fn shifted(&self, shift: R, weight: &Weight<R>) -> Self {
         let size = self.magnitude() + shift.abs();
-        Self { mean: self.mean + shift, low: self.low + shift, high: self.high + shift, ..*self }
-            .widened(size)
-            .with_rounding(weight)
+        let doubt = R::from_f64(WEIGHT_ROUNDING) * R::EPSILON * shift.abs();
+        Self {
+            mean: self.mean + shift,
+            low: self.low + shift,
+            high: self.high + shift,
+            radius: each(|a| self.radius[a] + doubt * weight.integral[a]),
+            ..*self
+        }
+        .widened(size)
+        .with_rounding(weight)
     }
 
     /// S₁ S₂ with the bounds of all that the first order leaves out: a radius that holds.
@@ -179,14 +191,16 @@ impl<R: Real> Interval<R> {
             let (i, inverse, root) = (weight.integral[a], weight.inverse[a], weight.root[a]);
             let (e1, e2) = (self.error[a], other.error[a]);
             let (r1, r2) = (self.radius[a], other.radius[a]);
-            let mean1 = (self.mean + e1 * inverse).abs();
-            let mean2 = (other.mean + e2 * inverse).abs();
+            // At least |μ|, also where m and e/I cancel.
+            let lost = R::from_f64(4.0) * R::EPSILON;
+            let mean1 = (self.mean + e1 * inverse).abs() + lost * self.mean.abs();
+            let mean2 = (other.mean + e2 * inverse).abs() + lost * other.mean.abs();
             result.error[a] = self.mean * e2 + other.mean * e1 + e1 * e2 * inverse;
 
             let covariance =
                 (self.norm[a] * other.norm[a]).min(half1 * other.absolute[a]).min(half2 * self.absolute[a]);
             let size = mean1 * mean2 * i;
-            let rounding = R::from_f64(12.0)
+            let rounding = R::from_f64(6.0 + WEIGHT_ROUNDING)
                 * R::EPSILON
                 * (size + (self.mean * e2).abs() + (other.mean * e1).abs() + (e1 * e2 * inverse).abs());
             let radius = (mean1 * r2 + mean2 * r1 + r1 * r2 * inverse + covariance) * up + (rounding + R::MIN_POSITIVE);
@@ -201,8 +215,8 @@ impl<R: Real> Interval<R> {
                 .min(sup2 * self.absolute[a] + true1 * other.absolute[a])
                 + covariance)
                 .min(norm * root);
-            result.norm[a] = norm * up;
-            result.absolute[a] = absolute * up;
+            result.norm[a] = norm * up + R::MIN_POSITIVE;
+            result.absolute[a] = absolute * up + R::MIN_POSITIVE;
             result.radius[a] = radius;
         }
         result
@@ -241,7 +255,7 @@ impl<R: Real> Interval<R> {
     /// The range with what rounding of numbers of this size can have cost it.
     #[inline]
     fn widened(mut self, size: R) -> Self {
-        let margin = R::TWO * R::EPSILON * size;
+        let margin = R::TWO * R::EPSILON * size + R::MIN_POSITIVE;
         self.low -= margin;
         self.high += margin;
         self

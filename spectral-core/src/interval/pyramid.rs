@@ -73,19 +73,23 @@ impl<R: Real> Interval<R> {
         let values = values.map(Sum::value);
         let rounding = R::from_f64(LEAF_ROUNDING) * R::EPSILON;
         let mean = mean(&values, &weight);
-        let (norm, absolute) = spread(spectrum, domain, node, &values);
         let size = low.abs().max(high.abs());
+        let (norm, absolute) = spread(spectrum, domain, node, &values, size);
         Self {
             mean,
             error: core::array::from_fn(|a| values[a] - mean * weight.integral[a]),
-            norm: core::array::from_fn(|a| norm[a] * (R::ONE + rounding) + rounding * size * weight.root[a]),
-            absolute: core::array::from_fn(|a| {
-                absolute[a] * (R::ONE + rounding) + rounding * size * weight.integral[a]
+            norm: core::array::from_fn(|a| {
+                norm[a] * (R::ONE + rounding) + (rounding * size * weight.root[a] + R::MIN_POSITIVE)
             }),
-            low: low - rounding * size,
-            high: high + rounding * size,
-            radius: sizes.map(|s| rounding * s.value() + R::MIN_POSITIVE),
+            absolute: core::array::from_fn(|a| {
+                absolute[a] * (R::ONE + rounding) + (rounding * size * weight.integral[a] + R::MIN_POSITIVE)
+            }),
+            low: low - (rounding * size + R::MIN_POSITIVE),
+            high: high + (rounding * size + R::MIN_POSITIVE),
+            radius: sizes.map(|s| rounding * s.value()),
         }
+        // In a channel that sees little of S, m I_a and e_a are far greater than their sum.
+        .with_rounding(&weight)
     }
 }
 
@@ -108,9 +112,10 @@ impl<R: Real> Interval<R> {
         Self {
             mean,
             error: core::array::from_fn(|a| values[a] - mean * weight.integral[a]),
-            radius: sizes.map(|s| rounding * s + R::MIN_POSITIVE),
+            radius: sizes.map(|s| rounding * s),
             ..*estimate
         }
+        .with_rounding(&weight)
     }
 }
 
@@ -125,13 +130,15 @@ fn mean<R: Real>(values: &[R; 3], weight: &Weight<R>) -> R {
     if below > R::ZERO { above / below } else { R::ZERO }
 }
 
-/// The norms and absolute deviations about the channels' means.
+/// The norms and absolute deviations about the channels' means, of a spectrum with values up to `size`.
 fn spread<R: Real, S: Spectrum<R> + ?Sized>(
     spectrum: &S,
     domain: &Domain<'_, R>,
     node: Node,
     values: &[R; 3],
+    size: R,
 ) -> ([R; 3], [R; 3]) {
+    let unit = size.max(R::MIN_POSITIVE);
     let weight = domain.weight(node);
     let [from, to] = node.limits();
     let centre: [R; 3] = core::array::from_fn(|a| values[a] * weight.inverse[a]);
@@ -139,9 +146,9 @@ fn spread<R: Real, S: Spectrum<R> + ?Sized>(
     let mut absolutes = [Sum::<R>::default(); 3];
     for_each_piece(domain.observer(), spectrum, from, to, |piece| {
         for a in 0..3 {
-            squares[a].add(piece.square(a, centre[a]));
+            squares[a].add(piece.square(a, centre[a], unit));
             absolutes[a].add(piece.absolute(a, centre[a]));
         }
     });
-    (squares.map(|s| s.value().max(R::ZERO).sqrt()), absolutes.map(|s| s.value().max(R::ZERO)))
+    (squares.map(|s| s.value().max(R::ZERO).sqrt() * unit), absolutes.map(|s| s.value().max(R::ZERO)))
 }

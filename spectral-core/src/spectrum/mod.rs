@@ -15,6 +15,7 @@ mod simple;
 use crate::Real;
 pub use daylight::{Daylight, Rounding};
 pub use error::SpectrumError;
+pub(crate) use grid::interpolate;
 pub use line::{Line, Lines};
 pub use piecewise::{PiecewiseLinear, Uniform};
 pub use planck::{Planck, RadiationConstant};
