@@ -8,7 +8,7 @@ use spectral_core::colour::rgb;
 
 use crate::geometry::Filter;
 use crate::geometry::sampling::SobolSequence;
-use crate::image::{ImageError, Picture, Raster, ScalarMap};
+use crate::image::{ImageError, MAX_PIXELS, Picture, Raster, ScalarMap};
 use crate::scene::{self, Scene};
 use crate::spectral::{
     Colour, Components, IntervalMemory, IntervalSettings, Intervals, Palette, Radiance, Resolver, SharedIntervals,
@@ -82,6 +82,7 @@ pub struct Rendering {
 pub fn render(scene: &Scene, options: &Options, progress: &(dyn Fn(usize) + Sync)) -> Result<Rendering, RenderError> {
     let start = Instant::now();
     let size = options.size.unwrap_or([scene.film.width, scene.film.height]);
+    check_area(size)?;
     let mut palette = Palette::default();
     let whitted = Whitted::new(scene, size, &mut palette)?;
     let frame = Frame {
@@ -108,6 +109,15 @@ pub fn render(scene: &Scene, options: &Options, progress: &(dyn Fn(usize) + Sync
         }
     };
     pixels.into_rendering(frame.size, prepared).map_err(|e| RenderError::new(e.to_string()))
+}
+
+/// Refuses pictures that could not be kept, before time is spent on them.
+fn check_area([width, height]: [u32; 2]) -> Result<(), RenderError> {
+    let pixels = u64::from(width) * u64::from(height);
+    if (1..=MAX_PIXELS as u64).contains(&pixels) {
+        return Ok(());
+    }
+    Err(RenderError::new(format!("a picture of {width} × {height} is not from 1 to {MAX_PIXELS} pixels")))
 }
 
 fn filter(filter: scene::Filter) -> Result<Filter, RenderError> {

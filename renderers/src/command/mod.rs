@@ -13,7 +13,7 @@ use clap::{Parser, Subcommand};
 
 /// Spectral rendering with a colour error bound, and the measures to judge it by.
 #[derive(Debug, Parser)]
-#[command(name = "spectral", version, arg_required_else_help = true)]
+#[command(name = "spectral", version, arg_required_else_help = false)]
 struct Arguments {
     #[command(subcommand)]
     command: Command,
@@ -55,30 +55,40 @@ struct Answer {
 pub(crate) fn run() -> ExitCode {
     let arguments = match Arguments::try_parse() {
         Ok(arguments) => arguments,
-        Err(error) => {
-            // Help and version are not errors; clap knows where each goes.
-            let _ = error.print();
-            return ExitCode::from(if error.use_stderr() { 2 } else { 0 });
-        }
+        Err(error) if error.use_stderr() => return fail(&one_line(&error.render().to_string())),
+        Err(help) => return show(&help.render().to_string()),
     };
     let json = arguments.json;
     match dispatch(arguments) {
-        Ok(answer) => {
-            let shown = if json { answer.json.to_string() } else { answer.text };
-            let mut out = std::io::stdout().lock();
-            match writeln!(out, "{}", shown.trim_end()).and_then(|()| out.flush()) {
-                Ok(()) => ExitCode::SUCCESS,
-                Err(error) if error.kind() == std::io::ErrorKind::BrokenPipe => ExitCode::SUCCESS,
-                Err(error) => fail(&format!("standard output: {error}")),
-            }
-        }
+        Ok(answer) => show(&if json { answer.json.to_string() } else { answer.text }),
         Err(Failure(line)) => fail(&line),
     }
 }
 
-fn fail(line: &str) -> ExitCode {
+/// Prints a result. Whoever reads only its beginning has got what was wanted.
+fn show(text: &str) -> ExitCode {
+    let mut out = std::io::stdout().lock();
+    match writeln!(out, "{}", text.trim_end()).and_then(|()| out.flush()) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) if error.kind() == std::io::ErrorKind::BrokenPipe => ExitCode::SUCCESS,
+        Err(error) => fail(&format!("standard output: {error}")),
+    }
+}
+
+fn fail(message: &str) -> ExitCode {
+    // File names and options may hold line breaks.
+    let line: String = message.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
     let _ = writeln!(std::io::stderr(), "spectral: {line}");
     ExitCode::from(2)
+}
+
+/// What clap says of wrong arguments and how to mend them, without the usage that `--help` shows.
+fn one_line(error: &str) -> String {
+    let said = error.split("\n\nUsage:").next().unwrap_or_default();
+    let said = said.split("\n\nFor more information").next().unwrap_or_default();
+    let paragraphs = said.trim_start_matches("error: ").split("\n\n");
+    let words = |paragraph: &str| paragraph.split_whitespace().collect::<Vec<_>>().join(" ");
+    paragraphs.map(words).filter(|p| !p.is_empty()).collect::<Vec<_>>().join("; ")
 }
 
 fn dispatch(arguments: Arguments) -> Result<Answer, Failure> {
@@ -92,5 +102,41 @@ fn dispatch(arguments: Arguments) -> Result<Answer, Failure> {
         Command::Render(render) => render.run(),
         Command::Compare(compare) => compare.run(),
         Command::Scene(scene) => scene.run(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::Parser;
+
+    use super::{Arguments, one_line};
+
+    #[test]
+    fn what_clap_says_fits_a_line() {
+        let said = |arguments: &[&str]| {
+            let all = core::iter::once("spectral").chain(arguments.iter().copied());
+            one_line(&Arguments::try_parse_from(all).unwrap_err().render().to_string())
+        };
+        for (arguments, expected) in [
+            (
+                &[][..],
+                "'spectral' requires a subcommand but one was not provided [subcommands: render, compare, scene, help]",
+            ),
+            (
+                &["render", "--sise", "4x4"],
+                "unexpected argument '--sise' found; tip: a similar argument exists: '--size'",
+            ),
+            (
+                &["render", "--bound", "x"],
+                "invalid value 'x' for '--bound <BOUND>' [possible values: paper, corrected, certified]",
+            ),
+            (&["compare"], "the following required arguments were not provided: <FIRST> <SECOND>"),
+            (
+                &["render", "--spp", "two\nUsage: 3"],
+                "invalid value 'two Usage: 3' for '--spp <N>': invalid digit found in string",
+            ),
+        ] {
+            assert_eq!(said(arguments), expected);
+        }
     }
 }

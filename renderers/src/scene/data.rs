@@ -455,6 +455,8 @@ pub enum Emitter {
     Constant {
         /// Radiance.
         radiance: SpectrumId,
+        /// For messages: the id or else the type, and the file with line, such as `constant (box.xml:12)`.
+        label: String,
     },
     /// The constant ambient term that stands for indirect light (the constant L_ind of Iehl and Péroche 2000): every
     /// surface that scatters diffusely sends out this radiance times its reflectance, unoccluded. Renderers that compute

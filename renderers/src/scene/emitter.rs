@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::load::Loader;
+use super::load::{Loader, label};
 use super::props::{Props, unsupported};
 use super::spectrum::Role;
 use super::xml::Node;
@@ -23,7 +23,7 @@ pub(crate) fn add<'a>(loader: &mut Loader<'a>, node: Node<'a>) -> Result<(), Sce
             let direction = direction(&mut props)?;
             Emitter::Directional { direction, irradiance: light(loader, &mut props, "irradiance")? }
         }
-        "constant" => Emitter::Constant { radiance: light(loader, &mut props, "radiance")? },
+        "constant" => Emitter::Constant { radiance: light(loader, &mut props, "radiance")?, label: label(node) },
         "ambient" => Emitter::Ambient { radiance: light(loader, &mut props, "radiance")? },
         "area" => return Err(node.error("an area light belongs inside the <shape> that shines")),
         other => {

@@ -109,7 +109,13 @@ fn bare_numbers_of_lights_are_multiples_of_d65_and_spectra_are_not() {
     let kinds: Vec<_> = scene.spectra.iter().map(|spectrum| spectrum.kind.clone()).collect();
     assert_eq!(kinds, [SpectrumKind::D65 { scale: 2.0 }, SpectrumKind::Constant(2.0), planck]);
     let first = SpectrumId(0);
-    assert_eq!(scene.emitters[..2], [Emitter::Constant { radiance: first }, Emitter::Ambient { radiance: first }]);
+    assert_eq!(
+        scene.emitters[..2],
+        [
+            Emitter::Constant { radiance: first, label: "constant (s.xml:1)".into() },
+            Emitter::Ambient { radiance: first }
+        ]
+    );
 }
 
 #[test]

@@ -58,10 +58,9 @@ impl Whitted {
                 self.lights.push(Light::Directional { direction: *direction, irradiance: light(*irradiance) });
             }
             Emitter::Ambient { radiance } => self.ambient.push(light(*radiance)),
-            other => {
-                let name = if matches!(other, Emitter::Constant { .. }) { "constant" } else { "of this kind" };
+            Emitter::Constant { label, .. } => {
                 return Err(RenderError::new(format!(
-                    "the Whitted renderer has no emitter {name}: use area, point, directional or ambient ones"
+                    "{label}: the Whitted renderer has no environments: use area, point, directional or ambient emitters"
                 )));
             }
         }
