@@ -301,6 +301,50 @@ impl Bvh {
         false
     }
 
+    /// Whether a packet or round surface blocks, of those in boxes that `meets` keeps: it returns a bit for each of four boxes,
+    /// given axis by axis.
+    pub(super) fn any_item(
+        &self,
+        meets: impl Fn(&[Vec4; 3], &[Vec4; 3]) -> u32,
+        packet_blocks: impl Fn(&Packet) -> bool,
+        round_blocks: impl Fn(&Round, u32) -> bool,
+    ) -> bool {
+        let mut stack = Stack::<LARGE_STACK>::new();
+        let mut next = if self.leaves.is_empty() { None } else { Some((self.root(), 0.0)) };
+        while let Some((child, _)) = next {
+            if child & LEAF != 0 {
+                let leaf = &self.leaves[(child & !LEAF) as usize];
+                let packets = &self.packets[leaf.packets[0] as usize..leaf.packets[1] as usize];
+                let rounds = &self.rounds[leaf.rounds[0] as usize..leaf.rounds[1] as usize];
+                if packets.iter().any(&packet_blocks) || rounds.iter().any(|(round, i)| round_blocks(round, *i)) {
+                    return true;
+                }
+            } else {
+                let node = &self.nodes[child as usize];
+                let mut lanes = meets(&node.low, &node.high);
+                while lanes != 0 {
+                    stack.push(node.children[lanes.trailing_zeros() as usize & 3], 0.0);
+                    lanes &= lanes - 1;
+                }
+            }
+            next = stack.pop();
+        }
+        false
+    }
+
+    /// For each primitive below `primitives`, the index of its packet and its lane, or `None` for a round one.
+    pub(super) fn places(&self, primitives: usize) -> Vec<Option<(u32, u8)>> {
+        let mut places = vec![None; primitives];
+        for (index, packet) in (0..).zip(&self.packets) {
+            for (half, lane) in PLACES {
+                if let Some(place) = places.get_mut(packet.primitive(half, lane) as usize) {
+                    *place = Some((index, u8::try_from(lane).unwrap_or(0)));
+                }
+            }
+        }
+        places
+    }
+
     /// The reference of the root: a node, or the only leaf.
     fn root(&self) -> u32 {
         if self.nodes.is_empty() { LEAF | 1 } else { 0 }

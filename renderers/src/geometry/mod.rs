@@ -4,6 +4,7 @@
 //!   which surface a ray meets first and whether the way between two points is free;
 //! - [`Ray`], [`Hit`] and [`SurfacePoint`] carry positions with bounds of their error, so that secondary rays need no
 //!   guessed distance: they start just off their surface, on the right side of it, at every scale;
+//! - [`Shaft`] holds all ways between two surfaces: the world can tell for certain that nothing blocks any of them;
 //! - [`Camera`] makes rays from film positions, and [`Filter`] moves those about the pixel;
 //! - [`sampling`] has the points, and the maps to lights and directions.
 //!
@@ -19,6 +20,7 @@ mod pairing;
 mod ray;
 mod round;
 pub mod sampling;
+mod shaft;
 mod surface;
 mod world;
 
@@ -27,5 +29,6 @@ pub use error::GeometryError;
 pub use filter::Filter;
 pub use glam;
 pub use ray::{Hit, NO_PRIMITIVE, Ray, SurfacePoint};
+pub use shaft::{Shaft, ShaftEnd};
 pub use surface::{Disk, MAX_COORDINATE, Mesh, Parallelogram, Sphere, Surface};
 pub use world::World;

@@ -128,6 +128,20 @@ impl Packet {
         numbers.map(|i| Vec3A::from_array([0, 1, 2].map(|axis| self.vertices[i][axis][lane & 3])))
     }
 
+    /// The vertices of the pair in a lane.
+    pub(super) fn quad(&self, lane: usize) -> [Vec3A; 4] {
+        [0, 1, 2, 3].map(|i| Vec3A::from_array([0, 1, 2].map(|axis| self.vertices[i][axis][lane & 3])))
+    }
+
+    /// The primitives and vertices of all its triangles, the missing ones included, once each.
+    pub(super) fn triangles(&self) -> impl Iterator<Item = (u32, [Vec3A; 3])> {
+        let repeated = |lane: usize| {
+            lane > 0 && [0, 1].map(|half| self.primitives[half][lane] == self.primitives[half][lane - 1]) == [true; 2]
+        };
+        let lanes = (0..4).filter(move |lane| !repeated(*lane));
+        lanes.flat_map(|lane| [0, 1].map(|half| (self.primitives[half][lane], self.triangle(half, lane))))
+    }
+
     /// The nearest hit with 0 ≤ t < `t_max`, for a ray prepared for axis `KZ`.
     #[inline(always)]
     pub(super) fn closest<const KZ: usize>(&self, ray: &Sheared, t_max: f32) -> Option<PacketHit> {

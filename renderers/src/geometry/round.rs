@@ -129,6 +129,22 @@ impl Round {
         [down, up]
     }
 
+    /// The largest x·`normal` of its points.
+    pub(super) fn furthest(&self, normal: DVec3) -> f64 {
+        match self {
+            Self::Disk(disk) => disk.centre.dot(normal) + disk.axes[0].dot(normal).hypot(disk.axes[1].dot(normal)),
+            Self::Sphere(sphere) => sphere.centre.as_dvec3().dot(normal) + f64::from(sphere.radius) * normal.length(),
+        }
+    }
+
+    /// A point and the unit normal of the plane that a flat one is in.
+    pub(super) fn plane(&self) -> Option<(DVec3, DVec3)> {
+        match self {
+            Self::Disk(disk) => Some((disk.centre, disk.normal)),
+            Self::Sphere(_) => None,
+        }
+    }
+
     /// The area, in square scene units.
     pub(super) fn area(&self) -> f64 {
         match self {

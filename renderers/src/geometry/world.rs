@@ -3,7 +3,7 @@
 use core::cmp::Ordering;
 use core::ops::Range;
 
-use glam::Vec3A;
+use glam::{DVec3, Vec3A};
 
 use super::GeometryError;
 use super::bvh::{Bvh, Item, RawHit};
@@ -11,6 +11,7 @@ use super::packet::{Exact, Half, PacketHit, Pair};
 use super::pairing::pair_up;
 use super::ray::{Hit, NO_PRIMITIVE, Ray, SurfacePoint};
 use super::round::{DiskFrame, Round};
+use super::shaft::{Shaft, ShaftEnd};
 use super::surface::{Mesh, Surface};
 
 /// Weights below this many times the smallest allowed are looked at exactly.
@@ -47,6 +48,8 @@ pub struct World {
     primitives: Vec<Primitive>,
     vertex_normals: Vec<[Vec3A; 3]>,
     ranges: Vec<Range<u32>>,
+    /// For each primitive, the packet and lane that have its vertices.
+    places: Vec<Option<(u32, u8)>>,
 }
 
 impl World {
@@ -61,7 +64,14 @@ impl World {
             parts.add(*shape, surface)?;
         }
         let bvh = Bvh::build(&parts.items);
-        Ok(Self { bvh, primitives: parts.primitives, vertex_normals: parts.vertex_normals, ranges: parts.ranges })
+        let places = bvh.places(parts.primitives.len());
+        Ok(Self {
+            bvh,
+            primitives: parts.primitives,
+            vertex_normals: parts.vertex_normals,
+            ranges: parts.ranges,
+            places,
+        })
     }
 
     /// The first hit with 0 ≤ t < `t_max`, or `None`. A ray with a NaN hits nothing.
@@ -97,6 +107,36 @@ impl World {
     #[must_use]
     pub fn occluded_direction(&self, from: &SurfacePoint, direction: Vec3A) -> bool {
         self.bvh.any(&from.ray(direction))
+    }
+
+    /// Whether certainly nothing blocks any of a shaft's rays: those that [`occluded`](Self::occluded) asks about, from points
+    /// within one end to points within the other that are above each other's horizon.
+    ///
+    /// `false` means that something may be in the way. `true` is certain but for rays within some units of the last place of the
+    /// horizon of an end, which carry no light, and for those that start or end so near to where another surface touches the
+    /// end's edge at less than a right angle: their offset can take them through it.
+    #[must_use]
+    pub fn shaft_is_clear(&self, shaft: &Shaft) -> bool {
+        shaft.is_clear(&self.bvh)
+    }
+
+    /// The part of a triangle or parallelogram within an axis-aligned box, seen from the side its normal points to (`front`) or from the
+    /// other, as the end of a [`Shaft`]: it holds every point of the primitive whose rounded coordinates are in the box. `None` if
+    /// there is no such part, or for other primitives.
+    #[must_use]
+    pub fn shaft_end(&self, primitive: u32, front: bool, low: DVec3, high: DVec3) -> Option<ShaftEnd> {
+        let (packet, lane) = (*self.places.get(primitive as usize)?)?;
+        let packet = self.bvh.packet(packet);
+        let lane = usize::from(lane);
+        let quad = packet.quad(lane);
+        let second = packet.primitive(0, lane) != primitive;
+        let corners = match self.primitives.get(primitive as usize)?.kind {
+            Kind::Parallelogram => quad.to_vec(),
+            _ => packet.triangle(usize::from(second), lane).to_vec(),
+        };
+        let [a, b, c] = [0, 1, 2].map(|i| corners[i].as_dvec3());
+        let normal = (b - a).cross(c - a).try_normalize()?;
+        ShaftEnd::part(&corners, if front { normal } else { -normal }, [low, high], primitive)
     }
 
     /// The corners of the axis-aligned box around everything, in scene units; both zero for an empty world.

@@ -13,6 +13,7 @@ mod uniform;
 
 pub use interval::{IntervalMemory, IntervalSettings, Intervals, SharedIntervals};
 pub use palette::{Factor, Palette, Role, Tabulated};
+pub(crate) use radiance::PairHasher;
 pub use radiance::{Deferred, Monomial, Monomials, Radiance};
 pub use rgb::Components;
 pub use uniform::{Uniform, UniformBins};

@@ -1,8 +1,32 @@
 //! A pixel's radiance as a sum of products of spectra.
 
+use core::hash::{BuildHasherDefault, Hasher};
 use std::collections::HashMap;
 
 use super::Factor;
+
+/// A hasher for keys of two small numbers that nobody chooses to collide: each is mixed in by a rotation and a multiplication
+/// (as in the hash tables of Firefox).
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct PairHasher(u64);
+
+impl Hasher for PairHasher {
+    fn finish(&self) -> u64 {
+        // Tables look at the highest and at the lowest bits.
+        self.0 ^ (self.0 >> 32)
+    }
+
+    fn write(&mut self, bytes: &[u8]) {
+        for byte in bytes {
+            self.write_u32(u32::from(*byte));
+        }
+    }
+
+    fn write_u32(&mut self, number: u32) {
+        // 2⁶⁴ over the golden ratio, made odd.
+        self.0 = (self.0.rotate_left(5) ^ u64::from(number)).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+    }
+}
 
 /// A product of leaves, by its number among [`Monomials`]; the default is the empty product, 1.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -19,13 +43,13 @@ impl Monomial {
 #[derive(Clone, Debug)]
 pub struct Monomials {
     factors: Vec<Vec<u32>>,
-    products: HashMap<(u32, u32), u32>,
+    products: HashMap<(u32, u32), u32, BuildHasherDefault<PairHasher>>,
     numbers: HashMap<Vec<u32>, u32>,
 }
 
 impl Default for Monomials {
     fn default() -> Self {
-        Self { factors: vec![Vec::new()], products: HashMap::new(), numbers: HashMap::from([(Vec::new(), 0)]) }
+        Self { factors: vec![Vec::new()], products: HashMap::default(), numbers: HashMap::from([(Vec::new(), 0)]) }
     }
 }
 

@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 
+use super::cells::Cells;
 use super::light::{AreaLight, AreaShape, Flat, Light, single};
 use super::material::Material;
 use super::{RenderError, Settings, Whitted};
@@ -28,6 +29,7 @@ impl Whitted {
             surfaces: materials,
             lights: Vec::new(),
             ambient: Vec::new(),
+            cells: None,
             settings: match scene.integrator {
                 Integrator::Whitted { max_depth } => Settings { max_depth },
                 _ => Settings::default(),
@@ -36,6 +38,7 @@ impl Whitted {
         for emitter in &scene.emitters {
             result.add_light(scene, emitter, palette)?;
         }
+        result.cells = Some(Cells::new(&result.world, &result.lights));
         Ok(result)
     }
 

@@ -73,7 +73,7 @@ pub(super) struct Receiver {
 }
 
 impl Flat {
-    fn at(&self, [x, y]: [f64; 2]) -> DVec3 {
+    pub(super) fn at(&self, [x, y]: [f64; 2]) -> DVec3 {
         self.centre + self.u * x + self.v * y
     }
 }
@@ -87,6 +87,8 @@ struct View<'w> {
     /// A sphere that the flat shape stands for.
     sphere: Option<(DVec3, f64)>,
     primitive: u32,
+    /// Whether all of the light is known to be visible.
+    clear: bool,
     known: [[Option<bool>; LATTICE]; LATTICE],
     total: f64,
     visible: f64,
@@ -130,6 +132,9 @@ impl View<'_> {
 
     /// Visibility at a lattice point, asked for once.
     fn lattice(&mut self, column: usize, row: usize) -> bool {
+        if self.clear {
+            return true;
+        }
         if let Some(known) = self.known[row][column] {
             return known;
         }
@@ -174,27 +179,25 @@ impl View<'_> {
             self.cell(level + 1, column + x, row + y, least, parts);
         }
     }
+}
 
-    /// Irradiance over π times radiance if nothing blocks, in closed form.
-    fn unblocked(&self) -> f64 {
-        let r = self.receiver;
-        let f = &self.flat;
-        let factor =
-            |corners: &[[f64; 3]]| polygon_configuration_factor(r.position.to_array(), r.normal.to_array(), corners);
-        if self.round {
-            // The regular polygon with the disk's area.
-            #[allow(clippy::cast_precision_loss, reason = "a small constant")]
-            let step = core::f64::consts::TAU / DISK_CORNERS as f64;
-            let radius = (step / step.sin()).sqrt();
-            let mut angle = 0.0_f64;
-            let corners: [[f64; 3]; DISK_CORNERS] = core::array::from_fn(|_| {
-                angle += step;
-                f.at([radius * angle.cos(), radius * angle.sin()]).to_array()
-            });
-            factor(&corners)
-        } else {
-            factor(&[[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]].map(|c| f.at(c).to_array()))
-        }
+/// Irradiance over π times radiance if nothing blocks, in closed form.
+fn unblocked(flat: &Flat, round: bool, receiver: &Receiver) -> f64 {
+    let (position, normal) = (receiver.position.to_array(), receiver.normal.to_array());
+    let factor = |corners: &[[f64; 3]]| polygon_configuration_factor(position, normal, corners);
+    if round {
+        // The regular polygon with the disk's area.
+        #[allow(clippy::cast_precision_loss, reason = "a small constant")]
+        let step = core::f64::consts::TAU / DISK_CORNERS as f64;
+        let radius = (step / step.sin()).sqrt();
+        let mut angle = 0.0_f64;
+        let corners: [[f64; 3]; DISK_CORNERS] = core::array::from_fn(|_| {
+            angle += step;
+            flat.at([radius * angle.cos(), radius * angle.sin()]).to_array()
+        });
+        factor(&corners)
+    } else {
+        factor(&[[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]].map(|c| flat.at(c).to_array()))
     }
 }
 
@@ -221,10 +224,28 @@ impl AreaLight {
     }
 
     /// Calls `receive` for each visible part of the light. The parts' irradiances add up to the closed form where nothing blocks, and
-    /// to its visible share (the ratio estimator) elsewhere. At least 4^`least` parts are made.
-    pub(super) fn illuminate(&self, world: &World, receiver: &Receiver, least: u32, mut receive: impl FnMut(Part)) {
+    /// to its visible share (the ratio estimator) elsewhere. At least 4^`least` parts are made. `is_clear` tells whether nothing
+    /// blocks for certain; then no shadow rays are needed.
+    pub(super) fn illuminate(
+        &self,
+        world: &World,
+        receiver: &Receiver,
+        least: u32,
+        is_clear: impl FnOnce() -> bool,
+        mut receive: impl FnMut(Part),
+    ) {
         let Some((flat, round, sphere)) = self.flat(receiver) else { return };
         if (receiver.position - flat.centre).dot(flat.normal) <= 0.0 {
+            return;
+        }
+        let exact = core::f64::consts::PI * unblocked(&flat, round, receiver);
+        if exact <= 0.0 {
+            return;
+        }
+        let clear = is_clear();
+        if clear && least == 0 {
+            let direction = (flat.centre - receiver.position).normalize_or_zero();
+            receive(Part { direction, irradiance: exact });
             return;
         }
         let mut view = View {
@@ -234,20 +255,18 @@ impl AreaLight {
             round,
             sphere,
             primitive: self.primitive,
+            clear,
             known: [[None; LATTICE]; LATTICE],
             total: 0.0,
             visible: 0.0,
         };
-        let exact = core::f64::consts::PI * view.unblocked();
-        if exact <= 0.0 {
-            return;
-        }
         let start = start_level(&flat, receiver).max(least);
         if least == 0 {
             view.cell(0, 0, 0, start, &mut |_, _, _| {});
             if view.total > 0.0 && view.visible > 0.0 {
                 let direction = (flat.centre - receiver.position).normalize_or_zero();
-                receive(Part { direction, irradiance: exact * view.visible / view.total });
+                // The share is exactly 1 where all of the lattice is visible.
+                receive(Part { direction, irradiance: exact * (view.visible / view.total) });
             }
             return;
         }
@@ -286,10 +305,17 @@ impl Light {
         }
     }
 
-    /// Calls `receive` for each visible part of the light.
-    pub(super) fn illuminate(&self, world: &World, receiver: &Receiver, least: u32, mut receive: impl FnMut(Part)) {
+    /// Calls `receive` for each visible part of the light; `is_clear` tells whether nothing blocks for certain.
+    pub(super) fn illuminate(
+        &self,
+        world: &World,
+        receiver: &Receiver,
+        least: u32,
+        is_clear: impl FnOnce() -> bool,
+        mut receive: impl FnMut(Part),
+    ) {
         match self {
-            Self::Area(area) => area.illuminate(world, receiver, least, receive),
+            Self::Area(area) => area.illuminate(world, receiver, least, is_clear, receive),
             Self::Point { position, .. } => {
                 let way = *position - receiver.position;
                 let squared = way.length_squared();

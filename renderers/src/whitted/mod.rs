@@ -10,6 +10,7 @@
 //! less than 10⁻⁴.
 
 mod build;
+mod cells;
 mod light;
 mod material;
 
@@ -18,6 +19,7 @@ use spectral_core::schlick::{Schlick, schlick_fresnel};
 
 use crate::geometry::{Camera, Hit, Ray, World};
 use crate::spectral::{Deferred, Factor, Monomial, Monomials, Radiance, Tracer};
+use cells::{Cells, ClearCells};
 use light::{Light, Part, Receiver, single};
 use material::{Dielectric, Material, dielectric_fresnel, mirror_factors};
 
@@ -65,7 +67,18 @@ pub struct Whitted {
     surfaces: Vec<(Material, Option<Factor>)>,
     lights: Vec<Light>,
     ambient: Vec<Factor>,
+    /// Cells for certified visibility, unless it is switched off.
+    cells: Option<Cells>,
     settings: Settings,
+}
+
+impl Whitted {
+    /// The same scene, with shadow rays everywhere: for comparison.
+    #[must_use]
+    pub fn without_shaft_culling(mut self) -> Self {
+        self.cells = None;
+        self
+    }
 }
 
 /// What one thread needs for tracing: the products met, the deferred light of a pixel, and a count of rays.
@@ -74,6 +87,7 @@ pub struct Worker<'s> {
     scene: &'s Whitted,
     monomials: Monomials,
     deferred: Vec<Interface>,
+    clear: ClearCells,
     rays: u64,
 }
 
@@ -104,7 +118,7 @@ struct Path {
 impl<'s> Worker<'s> {
     /// A worker without anything in its caches.
     pub fn new(scene: &'s Whitted) -> Self {
-        Self { scene, monomials: Monomials::default(), deferred: Vec::new(), rays: 0 }
+        Self { scene, monomials: Monomials::default(), deferred: Vec::new(), clear: ClearCells::default(), rays: 0 }
     }
 
     /// How many rays this worker has traced, shadow rays not counted.
@@ -177,14 +191,23 @@ impl<'s> Worker<'s> {
         Path { weight: path.weight * remaining, ..path }
     }
 
+    /// Calls `receive` for each visible part of the light with this number.
+    fn illuminate(&mut self, number: usize, receiver: &Receiver, least: u32, receive: impl FnMut(Part)) {
+        let Whitted { world, cells, lights, .. } = self.scene;
+        let Some(light) = lights.get(number) else { return };
+        let clear = &mut self.clear;
+        let is_clear = || cells.as_ref().is_some_and(|cells| clear.sees_whole(cells, world, receiver, number));
+        light.illuminate(world, receiver, least, is_clear, receive);
+    }
+
     /// Lambertian reflection of all lights and of the ambient term.
     fn diffuse(&mut self, hit: &Hit, path: Path, reflectance: Factor, radiance: &mut Radiance) {
         let scene = self.scene;
         let reflected = self.times(path, reflectance);
         let receiver = receiver(hit);
-        for light in &scene.lights {
+        for (number, light) in scene.lights.iter().enumerate() {
             let mut irradiance = 0.0;
-            light.illuminate(&scene.world, &receiver, 0, |part| irradiance += part.irradiance);
+            self.illuminate(number, &receiver, 0, |part| irradiance += part.irradiance);
             let lit = Path { weight: reflected.weight * irradiance / core::f64::consts::PI, ..reflected };
             self.add(lit, light.factor(), radiance);
         }
@@ -210,9 +233,9 @@ impl<'s> Worker<'s> {
         let [_, glossy, specular] = model.weights();
         let least = if glossy > 0.0 { glossy_level(roughness) } else { 0 };
         let coloured = self.times(path, reflectance);
-        for light in &scene.lights {
+        for (number, light) in scene.lights.iter().enumerate() {
             let (mut with, mut without) = (0.0, 0.0);
-            light.illuminate(&scene.world, &receiver, least, |part| {
+            self.illuminate(number, &receiver, least, |part| {
                 let (geometric, fresnel) = schlick_terms(model, &receiver, view, tangent, &part);
                 with += part.irradiance * geometric * (1.0 - fresnel);
                 without += part.irradiance * geometric * fresnel;
