@@ -151,19 +151,23 @@ pub(crate) fn product_integrals<R: Real>(
         for factor in factors.iter().take(MAX_FACTORS) {
             end = end.min(factor.segment(position).end);
         }
-        let half = (end - position) * R::HALF;
-        let middle = position + half;
+        let width = end - position;
+        let [first_cmf, last_cmf] = [cmf(position), cmf(end)];
         for [abscissa, gauss_weight] in GAUSS.map(|pair| pair.map(R::from_f64)) {
-            let both = [middle - half * abscissa, middle + half * abscissa];
-            for at in both.into_iter().take(if abscissa > R::ZERO { 2 } else { 1 }) {
-                let mut product = half * gauss_weight;
+            // By its share of the way, a point is known far better than by its wavelength.
+            let (near, far) = ((R::ONE - abscissa) * R::HALF, (R::ONE + abscissa) * R::HALF);
+            let points = [[far, near], [near, far]];
+            for [before, after] in points.into_iter().take(if abscissa > R::ZERO { 2 } else { 1 }) {
+                let mut product = width * R::HALF * gauss_weight;
                 for factor in factors.iter().take(MAX_FACTORS) {
                     let segment = factor.segment(position);
-                    product *= interpolate(segment.first, segment.last, at - position, segment.end - at);
+                    let last = interpolate(segment.first, segment.last, width, segment.end - end);
+                    product *= segment.first * before + last * after;
                 }
-                for (a, value) in cmf(at).into_iter().enumerate() {
-                    sums[0][a].add(product * value);
-                    sums[1][a].add((product * value).abs());
+                for a in 0..3 {
+                    let term = product * (first_cmf[a] * before + last_cmf[a] * after);
+                    sums[0][a].add(term);
+                    sums[1][a].add(term.abs());
                 }
             }
         }
