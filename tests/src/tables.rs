@@ -122,7 +122,7 @@ const METALS: [(&str, Kind); 3] = [
 ];
 
 /// Every generated file.
-const MODULES: [Module; 18] = [
+const MODULES: [Module; 19] = [
     Module {
         name: "observers",
         doc: "Colour-matching functions of the CIE standard observers at 1 nm.",
@@ -213,6 +213,12 @@ const MODULES: [Module; 18] = [
         doc: "Test-colour samples TCS01 to TCS14 of CIE 13.3-1995: spectral radiance factor.",
         table: "UniformTable",
         sources: &[("cie_13_3_tcs01_tcs14_5nm.csv", Kind::Uniform { quantity: "spectral radiance factor" })],
+    },
+    Module {
+        name: "ces",
+        doc: "Colour evaluation samples CES01 to CES99 of CIE 224:2017 and ANSI/IES TM-30: spectral radiance factor.",
+        table: "UniformTable",
+        sources: &[("cie_224_ces01_ces99_5nm.csv", Kind::Uniform { quantity: "spectral radiance factor" })],
     },
     Module {
         name: "glasses",

@@ -6,7 +6,7 @@
 //! - [`rgb`]: linear RGB with the primaries of Rec. 709, and sRGB.
 //!
 //! Tristimulus values are relative everywhere: Y = 1 is the white that a picture or a sample is seen against, not 100.
-//! Appearance models, chromatic adaptation and other RGB spaces are not here.
+//! Chromatic adaptation is in [`crate::adaptation`], correlated colour temperature in [`crate::cct`].
 
 pub mod delta_e;
 pub mod lab;

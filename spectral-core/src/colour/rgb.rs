@@ -17,7 +17,7 @@ pub const WHITE: [f64; 3] = from_chromaticity(WHITE_CHROMATICITY);
 /// The matrix from linear RGB to XYZ, row by row: [`PRIMARIES`] scaled so that R = G = B = 1 is [`WHITE`].
 ///
 /// Computed in `f64` from the chromaticities, not the four-digit matrix that IEC 61966-2-1 prints.
-pub const RGB_TO_XYZ: [[f64; 3]; 3] = primaries_to_xyz();
+pub const RGB_TO_XYZ: [[f64; 3]; 3] = rgb_to_xyz_matrix(PRIMARIES, WHITE_CHROMATICITY);
 
 /// The matrix from XYZ to linear RGB, row by row: the inverse of [`RGB_TO_XYZ`], computed in `f64`.
 pub const XYZ_TO_RGB: [[f64; 3]; 3] = invert(RGB_TO_XYZ);
@@ -26,11 +26,16 @@ const fn from_chromaticity([x, y]: [f64; 2]) -> [f64; 3] {
     [x / y, 1.0, (1.0 - x - y) / y]
 }
 
-const fn primaries_to_xyz() -> [[f64; 3]; 3] {
-    let [r, g, b] = PRIMARIES;
+/// The matrix from linear RGB to XYZ, row by row, for any primaries and white, given by their chromaticities (x, y), such
+/// that R = G = B = 1 has Y = 1.
+///
+/// The primaries must not lie on one line, and no y may be 0; otherwise the matrix has infinities or NaN.
+#[must_use]
+pub const fn rgb_to_xyz_matrix(primaries: [[f64; 2]; 3], white: [f64; 2]) -> [[f64; 3]; 3] {
+    let [r, g, b] = primaries;
     let (r, g, b) = (from_chromaticity(r), from_chromaticity(g), from_chromaticity(b));
     let columns = [[r[0], g[0], b[0]], [r[1], g[1], b[1]], [r[2], g[2], b[2]]];
-    let scale = product(invert(columns), WHITE);
+    let scale = product(invert(columns), from_chromaticity(white));
     let mut matrix = columns;
     let mut row = 0;
     while row < 3 {
@@ -53,7 +58,7 @@ const fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
 }
 
 /// The inverse of a regular matrix, by its adjugate.
-const fn invert(m: [[f64; 3]; 3]) -> [[f64; 3]; 3] {
+pub(crate) const fn invert(m: [[f64; 3]; 3]) -> [[f64; 3]; 3] {
     let columns = [cross(m[1], m[2]), cross(m[2], m[0]), cross(m[0], m[1])];
     let [p, q, r] = columns;
     let determinant = m[0][0] * p[0] + m[0][1] * p[1] + m[0][2] * p[2];
@@ -65,7 +70,7 @@ const fn invert(m: [[f64; 3]; 3]) -> [[f64; 3]; 3] {
 }
 
 #[inline]
-fn transform<R: Real>(matrix: &[[f64; 3]; 3], [a, b, c]: [R; 3]) -> [R; 3] {
+pub(crate) fn transform<R: Real>(matrix: &[[f64; 3]; 3], [a, b, c]: [R; 3]) -> [R; 3] {
     matrix.map(|[p, q, r]| R::from_f64(p) * a + R::from_f64(q) * b + R::from_f64(r) * c)
 }
 

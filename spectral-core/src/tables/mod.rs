@@ -25,6 +25,8 @@ pub mod alpha_opic;
 #[rustfmt::skip]
 pub mod babelcolor;
 #[rustfmt::skip]
+pub mod ces;
+#[rustfmt::skip]
 pub mod colorchecker;
 #[rustfmt::skip]
 pub mod cornell;

@@ -1,0 +1,255 @@
+//! Everything there is to say of a light, in one call: chromaticity, colour temperature, colour rendering, action
+//! quantities.
+//!
+//! [`measure`] needs no memory beyond its result and forms every product as it goes: for one light, or a lamp's own
+//! microcontroller. A [`LightMeter`] precomputes the products of samples, observer and action spectra and the Planckian
+//! locus (56 KB in `f64`, half of it in `f32`): for every pixel of a picture. Both give the same bits.
+//!
+//! **Grid.** A light is `N` samples on a [`SumGrid`], used as they are: sums over 380–780 nm at 5 nm for the tables of the
+//! CIE ([`SumGrid::CIE_5NM`]), as CIE 13.3 prescribes; tables at another step are best brought to 1 nm.
+//!
+//! **Scale.** Everything but [`ActionMeasures::sy`] and `power` is independent of the light's scale. A light is divided by
+//! its largest sample first, so that scales from 1e-37 to 1e37 do as well in `f32` as in `f64`.
+//!
+//! **Constant.** Black bodies are those of c₂ = 1.4388 × 10⁻² m K ([`RadiationConstant::Its1990`]) unless another one is
+//! asked for: that is what CIE 15 and CIE 13.3 are tabulated with.
+//!
+//! R_f and R_g, whose 99 samples need more memory than all the rest, are apart: [`measure_fidelity`], [`FidelityMeter`].
+
+mod fidelity;
+mod meter;
+
+use core::fmt;
+
+use crate::Real;
+use crate::action::{ActionMeasures, ActionSpectra};
+use crate::cct::{Cct, Locus, PlanckianLocus, correlated_colour_temperature, xyz_to_uv};
+use crate::colour::xyz_to_xyy;
+use crate::colour_rendering::{
+    Cri00, R96_REFERENCES, R96_TCC_LAB, R96C, ReferenceLight, Rendering, cie_13_3, colorchecker_samples, cri00,
+    munsell_samples, nearest_r96_reference, r96,
+};
+use crate::spectrum::RadiationConstant;
+use crate::summation::{DirectColours, Illuminated, SumGrid, TestColours, tristimulus_sum};
+use crate::tables::observers::CIE_1931_2;
+pub use fidelity::{FidelityMeter, measure_fidelity};
+pub use meter::LightMeter;
+
+/// Why a light was refused; an index is that of the first sample at fault, from 0.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum LightError {
+    /// A sample is infinite or NaN.
+    Value {
+        /// Which one.
+        index: usize,
+    },
+    /// A sample is below zero.
+    Negative {
+        /// Which one.
+        index: usize,
+    },
+    /// The light has no power where the eye sees: no colour.
+    Dark,
+}
+
+impl fmt::Display for LightError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Value { index } => write!(f, "sample {index} of the light is not finite"),
+            Self::Negative { index } => write!(f, "sample {index} of the light is negative"),
+            Self::Dark => f.write_str("the light has no power in the visible range"),
+        }
+    }
+}
+
+impl core::error::Error for LightError {}
+
+/// What is known of a light's colour before any index.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Chromaticity<R> {
+    /// CIE 1931 XYZ, relative to Y = 1.
+    pub xyz: [R; 3],
+    /// CIE 1931 (x, y).
+    pub xy: [R; 2],
+    /// CIE 1960 (u, v).
+    pub uv: [R; 2],
+    /// Correlated colour temperature, Duv, and what they are worth.
+    pub cct: Cct<R>,
+    /// The reference light of the indices; `None` where none is defined: outside 500 K to 25 000 K.
+    pub reference: Option<ReferenceLight<R>>,
+}
+
+/// The colour-rendering indices that share the reference light of a light's colour temperature.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ColourRendering<R> {
+    /// R_a and R_1–R_14 of CIE 13.3-1995.
+    pub ra: Rendering<R, 14>,
+    /// CRI00 with the 14 Munsell samples.
+    pub cri00_munsell: Rendering<R, 14>,
+    /// CRI00 with the ColorChecker patches and skin tones.
+    pub cri00_colorchecker: Rendering<R, 10>,
+    /// R96(TCC/LAB)_a.
+    pub r96_tcc_lab: Rendering<R, 10>,
+}
+
+/// R96_a(c) and which of [`R96_REFERENCES`] it took.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct R96Nearest<R> {
+    /// The index of the reference light.
+    pub reference: usize,
+    /// The index with its stages.
+    pub rendering: Rendering<R, 10>,
+}
+
+/// Everything there is to say of a light.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LightMeasures<R> {
+    /// Radiant power Σ S Δλ over the grid, in the light's unit times nm.
+    pub power: R,
+    /// Chromaticity and colour temperature.
+    pub chromaticity: Chromaticity<R>,
+    /// The indices whose reference follows from the colour temperature; `None` where there is no reference.
+    pub rendering: Option<ColourRendering<R>>,
+    /// R96_a(c).
+    pub r96_c: R96Nearest<R>,
+    /// Luminous efficacy, a_cv, photosynthesis, α-opic quantities.
+    pub action: ActionMeasures<R>,
+}
+
+/// Measures one light without precomputed tables; see the [module](self) for grid, scale and constant.
+///
+/// # Errors
+/// [`LightError`] when a sample is negative or not finite, or the light has no power in the visible range.
+///
+/// ```
+/// use spectral_core::light::measure;
+/// use spectral_core::spectrum::{Outside, RadiationConstant};
+/// use spectral_core::summation::SumGrid;
+/// use spectral_core::tables::fluorescent::FL2;
+///
+/// let grid = SumGrid::CIE_5NM;
+/// let lamp = grid.sample::<f64, _>(&FL2.spectrum(Outside::Zero));
+/// let found = measure(grid, &lamp, RadiationConstant::Its1990)?;
+/// let rendering = found.rendering.ok_or("no reference")?;
+/// assert!((rendering.ra.general - 64.16).abs() <= 0.01);
+/// assert!((found.chromaticity.cct.temperature - 4225.0).abs() <= 1.0);
+/// # Ok::<(), Box<dyn core::error::Error>>(())
+/// ```
+pub fn measure<R: Real, const N: usize>(
+    grid: SumGrid<N>,
+    light: &[R; N],
+    constant: RadiationConstant,
+) -> Result<LightMeasures<R>, LightError> {
+    let observer = grid.observer::<R>(&CIE_1931_2);
+    let locus = PlanckianLocus::new(grid, &observer, constant);
+    let (munsell, colorchecker) = (munsell_samples::<R>(), colorchecker_samples::<R>());
+    let parts = Parts {
+        grid,
+        observer: &observer,
+        locus,
+        nodes: &locus,
+        munsell: &DirectColours::new(grid, &observer, &munsell),
+        colorchecker: &DirectColours::new(grid, &observer, &colorchecker),
+        actions: &ActionSpectra::new(grid),
+    };
+    parts.measure(light)
+}
+
+/// What a measurement is made with; the one implementation of it for both forms.
+struct Parts<'a, R, L, M, C, const N: usize> {
+    grid: SumGrid<N>,
+    observer: &'a [[R; 3]; N],
+    locus: PlanckianLocus<'a, R, N>,
+    nodes: &'a L,
+    munsell: &'a M,
+    colorchecker: &'a C,
+    actions: &'a ActionSpectra<R, N>,
+}
+
+impl<R: Real, L: Locus<R>, M: TestColours<R, N, 14>, C: TestColours<R, N, 10>, const N: usize>
+    Parts<'_, R, L, M, C, N>
+{
+    fn measure(&self, light: &[R; N]) -> Result<LightMeasures<R>, LightError> {
+        let (light, scale) = normalise(light)?;
+        let sums = tristimulus_sum(self.observer, &light);
+        let action = self.actions.measure(&light, sums, scale).ok_or(LightError::Dark)?;
+        let chromaticity = self.chromaticity(sums)?;
+        let rendering = match chromaticity.reference {
+            Some(reference) => Some(self.rendering(&light, reference)?),
+            None => None,
+        };
+        let mut power = R::ZERO;
+        for &sample in &light {
+            power += sample;
+        }
+        let power = power * R::from_usize(usize::from(self.grid.step())) * scale;
+        Ok(LightMeasures { power, chromaticity, rendering, r96_c: self.r96_nearest(&light)?, action })
+    }
+
+    fn chromaticity(&self, sums: [R; 3]) -> Result<Chromaticity<R>, LightError> {
+        let xyz = sums.map(|sum| sum / sums[1]);
+        let uv = xyz_to_uv(xyz);
+        let [x, y, _] = xyz_to_xyy(xyz).ok_or(LightError::Dark)?;
+        let cct = correlated_colour_temperature(uv, self.nodes).ok_or(LightError::Dark)?;
+        let reference = if cct.is_in_range() { ReferenceLight::for_temperature(cct.temperature) } else { None };
+        Ok(Chromaticity { xyz, xy: [x, y], uv, cct, reference })
+    }
+
+    fn rendering(&self, light: &[R; N], reference: ReferenceLight<R>) -> Result<ColourRendering<R>, LightError> {
+        let reference = reference.spectrum(self.grid, &self.locus).ok_or(LightError::Dark)?;
+        let [test, under_reference] = pair(self.munsell, light, &reference)?;
+        let [patches, patches_under_reference] = pair(self.colorchecker, light, &reference)?;
+        Ok(ColourRendering {
+            ra: cie_13_3(&test, &under_reference),
+            cri00_munsell: cri00(&test, &under_reference, &Cri00::MUNSELL),
+            cri00_colorchecker: cri00(&patches, &patches_under_reference, &Cri00::COLORCHECKER),
+            r96_tcc_lab: r96(&patches, &patches_under_reference, R96_TCC_LAB),
+        })
+    }
+
+    fn r96_nearest(&self, light: &[R; N]) -> Result<R96Nearest<R>, LightError> {
+        let mut spectra = [[R::ZERO; N]; 6];
+        for (spectrum, reference) in spectra.iter_mut().zip(R96_REFERENCES) {
+            let reference = ReferenceLight { kind: reference.kind, temperature: R::from_f64(reference.temperature) };
+            *spectrum = reference.spectrum(self.grid, &self.locus).ok_or(LightError::Dark)?;
+        }
+        let white = |light: &[R; N]| {
+            let sums = tristimulus_sum(self.observer, light);
+            sums.map(|sum| sum / sums[1])
+        };
+        let reference = nearest_r96_reference(white(light), &spectra.each_ref().map(white));
+        let [test, under_reference] = pair(self.colorchecker, light, &spectra[reference])?;
+        Ok(R96Nearest { reference, rendering: r96(&test, &under_reference, R96C) })
+    }
+}
+
+/// The samples under the light and under its reference.
+fn pair<R: Real, T: TestColours<R, N, M>, const N: usize, const M: usize>(
+    samples: &T,
+    light: &[R; N],
+    reference: &[R; N],
+) -> Result<[Illuminated<R, M>; 2], LightError> {
+    match (samples.illuminate(light), samples.illuminate(reference)) {
+        (Some(test), Some(reference)) => Ok([test, reference]),
+        _ => Err(LightError::Dark),
+    }
+}
+
+/// The light divided by its largest sample, and that.
+fn normalise<R: Real, const N: usize>(light: &[R; N]) -> Result<([R; N], R), LightError> {
+    let mut largest = R::ZERO;
+    for (index, &sample) in light.iter().enumerate() {
+        if !sample.is_finite() {
+            return Err(LightError::Value { index });
+        }
+        if sample < R::ZERO {
+            return Err(LightError::Negative { index });
+        }
+        largest = largest.max(sample);
+    }
+    if largest == R::ZERO {
+        return Err(LightError::Dark);
+    }
+    Ok((light.map(|sample| sample / largest), largest))
+}
