@@ -1,7 +1,7 @@
 //! Exact integrals of piecewise linear functions, up to rounding: the walk over the pieces that a spectrum and the
 //! colour-matching functions share.
 
-use crate::spectrum::interpolate;
+use crate::spectrum::{Segment, interpolate};
 use crate::{Observer, Real, Spectrum};
 
 /// A running sum with Neumaier's compensation: the result is within 2 ulp of the exact sum of the rounded terms as long
@@ -126,54 +126,77 @@ pub(crate) fn for_each_piece<R: Real, S: Spectrum<R> + ?Sized>(
     }
 }
 
-/// Abscissae (of the half [0, 1]) and weights of Gauss–Legendre quadrature with five points on [−1, 1]: exact to degree 9.
-const GAUSS: [[f64; 2]; 3] = [
-    [0.0, 0.568_888_888_888_888_9],
-    [0.538_469_310_105_683_1, 0.478_628_670_499_366_47],
-    [0.906_179_845_938_664, 0.236_926_885_056_189_08],
+/// Abscissae in [0, 1], their distances from 1, and weights of Gauss–Legendre quadrature with five points: exact to degree 9.
+const GAUSS: [[f64; 3]; 5] = [
+    [0.046_910_077_030_668, 0.953_089_922_969_332, 0.118_463_442_528_094_54],
+    [0.230_765_344_947_158_46, 0.769_234_655_052_841_5, 0.239_314_335_249_683_23],
+    [0.5, 0.5, 0.284_444_444_444_444_44],
+    [0.769_234_655_052_841_5, 0.230_765_344_947_158_46, 0.239_314_335_249_683_23],
+    [0.953_089_922_969_332, 0.046_910_077_030_668, 0.118_463_442_528_094_54],
 ];
 
 /// The most factors of a product that are integrated exactly: with a colour-matching function, a polynomial of degree 9.
 pub(crate) const MAX_FACTORS: usize = 8;
 
-/// ∫ S₁S₂… ā and ∫ |S₁S₂…| ā over [`from`, `to`] in nm, exactly but for rounding; at most [`MAX_FACTORS`] factors count.
+/// The integrals of a product of spectra.
+pub(crate) struct ProductIntegrals<R> {
+    /// ∫ S₁S₂… ā.
+    pub(crate) values: [R; 3],
+    /// ∫ |S₁S₂…| ā.
+    pub(crate) sizes: [R; 3],
+    /// At least the factor by which what underflows in a partial product can have grown.
+    pub(crate) growth: R,
+}
+
+/// The integrals of a product over [`from`, `to`] in nm, exact but for rounding; at most [`MAX_FACTORS`] factors count.
+///
+/// On each piece where all is linear, functions are interpolated between the piece's ends by the abscissae themselves:
+/// wavelengths would be too coarse on pieces of a narrow line.
 pub(crate) fn product_integrals<R: Real>(
     observer: &Observer<'_, R>,
     factors: &[&dyn Spectrum<R>],
     from: R,
     to: R,
-) -> [[R; 3]; 2] {
+) -> ProductIntegrals<R> {
     let mut sums = [[Sum::<R>::default(); 3]; 2];
+    let mut growth = R::ONE;
     let mut position = from;
     while position < to {
         let (cell_end, cmf) = observer.cell(position);
-        let mut end = to.min(cell_end);
-        for factor in factors.iter().take(MAX_FACTORS) {
-            end = end.min(factor.segment(position).end);
+        let end = factors.iter().take(MAX_FACTORS).fold(to.min(cell_end), |end, f| end.min(f.segment(position).end));
+        let mut ends = [[R::ONE; 2]; MAX_FACTORS];
+        let mut grown = R::ONE;
+        for (ends, factor) in ends.iter_mut().zip(factors) {
+            *ends = ends_of(&factor.segment(position), position, end);
+            grown = R::ONE.max(grown * ends[0].abs().max(ends[1].abs()));
         }
-        let width = end - position;
-        let [first_cmf, last_cmf] = [cmf(position), cmf(end)];
-        for [abscissa, gauss_weight] in GAUSS.map(|pair| pair.map(R::from_f64)) {
-            // By its share of the way, a point is known far better than by its wavelength.
-            let (near, far) = ((R::ONE - abscissa) * R::HALF, (R::ONE + abscissa) * R::HALF);
-            let points = [[far, near], [near, far]];
-            for [before, after] in points.into_iter().take(if abscissa > R::ZERO { 2 } else { 1 }) {
-                let mut product = width * R::HALF * gauss_weight;
-                for factor in factors.iter().take(MAX_FACTORS) {
-                    let segment = factor.segment(position);
-                    let last = interpolate(segment.first, segment.last, width, segment.end - end);
-                    product *= segment.first * before + last * after;
-                }
-                for a in 0..3 {
-                    let term = product * (first_cmf[a] * before + last_cmf[a] * after);
-                    sums[0][a].add(term);
-                    sums[1][a].add(term.abs());
-                }
+        growth = growth.max(grown);
+        let cmf = [cmf(position), cmf(end)];
+        for [below, above, weight] in GAUSS.map(|three| three.map(R::from_f64)) {
+            let product = ends
+                .iter()
+                .take(factors.len())
+                .fold((end - position) * weight, |product, [first, last]| product * (*first * above + *last * below));
+            for a in 0..3 {
+                let term = product * (cmf[0][a] * above + cmf[1][a] * below);
+                sums[0][a].add(term);
+                sums[1][a].add(term.abs());
             }
         }
         position = end;
     }
-    sums.map(|three| three.map(Sum::value))
+    let [values, sizes] = sums.map(|three| three.map(Sum::value));
+    ProductIntegrals { values, sizes, growth }
+}
+
+/// The values of a linear piece that starts at `start`, there and at `end` in it.
+fn ends_of<R: Real>(segment: &Segment<R>, start: R, end: R) -> [R; 2] {
+    let last = if segment.end.is_finite() {
+        interpolate(segment.first, segment.last, end - start, segment.end - end)
+    } else {
+        segment.first
+    };
+    [segment.first, last]
 }
 
 /// ∫ S ā over [`from`, `to`] in nm for the three colour-matching functions of an observer: tristimulus values in the

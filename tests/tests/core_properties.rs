@@ -514,3 +514,30 @@ fn a_constant_is_as_exact_as_the_weights() {
         }
     });
 }
+
+/// A flank that ends just after a boundary: what is left of it there is far less than the rounding error of its height.
+#[test]
+fn the_foot_of_a_flank_is_exact_relative_to_itself() {
+    with_domain::<f32>(|domain| {
+        let observer = cie_1931().unwrap();
+        // 561.25 nm is a boundary at a depth of 8, and 2⁻¹³ nm are two units in the last place beyond it.
+        let foot = 561.25 + 2.0_f32.powi(-13);
+        for start in [400.3, 520.7, 551.9_f32] {
+            let (wavelengths, values) = ([start, foot], [0.9, 0.0]);
+            let flank = PiecewiseLinear::new(&wavelengths, &values, Outside::Zero).unwrap();
+            let nodes = [(f64::from(start), f64::from(0.9_f32)), (f64::from(foot), 0.0)];
+            let truth = Polyline::new(&nodes, Beyond::Zero);
+            let mut buffer = vec![Interval::zero(); node_count(DEPTH)];
+            let pyramid = Pyramid::build(&flank, domain, &mut buffer).unwrap();
+            let node = Node::new(8, 116).unwrap();
+            assert_eq!(node.limits::<f32>()[0], 561.25);
+            let dense = Dense::new(&observer, &[&truth], node.limits(), 2);
+            let exact = dense.integrate::<f32>(&[Op::Leaf(0)]).xyz;
+            let found = pyramid.get(node).unwrap();
+            for (a, xyz) in found.tristimulus(&domain.weight(node)).into_iter().enumerate() {
+                assert!((f64::from(xyz) - exact[a]).abs() <= f64::from(found.radius[a]), "{start}");
+                assert!(f64::from(found.radius[a]) <= 1e-5 * exact[1], "{start}");
+            }
+        }
+    });
+}

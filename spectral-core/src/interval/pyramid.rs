@@ -2,7 +2,7 @@
 
 use super::{BuildError, Domain, Interval, Node, Weight, node_count, nodes};
 use crate::Real;
-use crate::integrate::{MAX_FACTORS, Sum, for_each_piece, product_integrals};
+use crate::integrate::{MAX_FACTORS, ProductIntegrals, Sum, for_each_piece, product_integrals};
 use crate::spectrum::Spectrum;
 
 /// The rounding of an exactly integrated ∫Sā in units of ε ∫|S|ā: interpolation at the ends of a piece (4), the
@@ -106,13 +106,13 @@ impl<R: Real> Interval<R> {
         }
         let weight = domain.weight(node);
         let [from, to] = node.limits();
-        let [values, sizes] = product_integrals(domain.observer(), factors, from, to);
+        let ProductIntegrals { values, sizes, growth } = product_integrals(domain.observer(), factors, from, to);
         let rounding = R::from_f64(LEAF_ROUNDING) * R::EPSILON * R::from_usize(factors.len() + 1);
         let mean = mean(&values, &weight);
         Self {
             mean,
             error: core::array::from_fn(|a| values[a] - mean * weight.integral[a]),
-            radius: sizes.map(|s| rounding * s),
+            radius: core::array::from_fn(|a| rounding * sizes[a] + R::MIN_POSITIVE * growth * weight.integral[a]),
             ..*estimate
         }
         .with_rounding(&weight)
