@@ -51,8 +51,8 @@ impl Cells {
         let [low, high] = world.bounds().map(Vec3A::as_dvec3);
         let longest = (high - low).max_element().max(f64::MIN_POSITIVE);
         let widths = LEVELS.map(|count| longest / f64::from(count));
-        // A cell costs about as much as the shadow rays of a few receivers.
-        let least_area = (0.5 * widths[LEVELS.len() - 1]).powi(2);
+        // A cell costs as much as the shadow rays of some receivers, which smaller primitives may not have.
+        let least_area = widths[LEVELS.len() - 1].powi(2);
         let count = u32::try_from(world.len()).unwrap_or(u32::MAX);
         let large = (0..count).map(|primitive| world.area(primitive) >= least_area).collect();
         let end = |light: &Light| match light {
