@@ -121,7 +121,7 @@ fn setting(rng: &mut Rng) -> Setting {
     for _ in 0..rng.bits() % 3 {
         surfaces.push(place.parallelogram(vector(rng, 0.7), vector(rng, 0.3), vector(rng, 0.3)));
     }
-    if rng.bits() % 3 == 0 {
+    if rng.bits().is_multiple_of(3) {
         let (centre, normal) = (place.point(vector(rng, 0.7)), DVec3::from_array(rng.direction()));
         #[allow(clippy::cast_possible_truncation, reason = "surfaces are f32")]
         let radius = (0.2 * place.scale()) as f32;
@@ -227,7 +227,8 @@ fn receiver(rng: &mut Rng, world: &World, setting: &Setting) -> Option<Hit> {
         }
         _ => return None,
     };
-    let side = if rng.bits() % 4 == 0 { -normal } else { normal }.normalize() * (1e-3 * point.length().max(0.1));
+    let side =
+        if rng.bits().is_multiple_of(4) { -normal } else { normal }.normalize() * (1e-3 * point.length().max(0.1));
     let hit = world.closest_hit(&Ray::new((point + side).as_vec3a(), (-side).as_vec3a()))?;
     (hit.shape as usize == index).then_some(hit)
 }
@@ -322,7 +323,7 @@ fn check_setting(rng: &mut Rng, tally: &mut Tally) {
             assert!(!(cell.clear && blocked), "{hit:?} to {target:?} of {:?}", setting.light);
             cell.rays += 1;
             cell.blocked += u32::from(blocked);
-            if cell.clear && rng.bits() % 256 == 0 {
+            if cell.clear && rng.bits().is_multiple_of(256) {
                 check_control(rng, &setting, &hit, target, scale);
                 tally.controls += 1;
             }

@@ -10,8 +10,6 @@
 //! coplanar with an end, or behind it, doesn't block); and the plane of a possible blocker, if both ends are on one side of it (a
 //! wall that stands on the edge of a floor doesn't shade that floor from a light before the wall).
 
-use std::borrow::Cow;
-
 use glam::{DVec3, Vec3A, Vec4};
 
 use super::bvh::Bvh;
@@ -83,18 +81,15 @@ impl ShaftEnd {
         (part.len() >= 3).then(|| Self::flat(part, normal, 0.0, primitive))
     }
 
-    /// The part of a flat end above the horizon of another flat one; all of it in other cases, and if there is no such part.
-    fn above(&self, other: &Self) -> Cow<'_, Self> {
-        if let (Some(own), Some(normal)) = (self.normal, other.normal) {
-            let horizon = other.least(normal);
-            if self.least(normal) < horizon {
-                let part = clip(&self.corners, normal, horizon);
-                if part.len() >= 3 {
-                    return Cow::Owned(Self::flat(part, own, self.clearance, self.primitive));
-                }
-            }
+    /// The part of a flat end above the horizon of another flat one, if that is a part and not all of it or nothing.
+    fn cut_by_horizon(&self, other: &Self) -> Option<Self> {
+        let (own, normal) = (self.normal?, other.normal?);
+        let horizon = other.least(normal);
+        if self.least(normal) >= horizon {
+            return None;
         }
-        Cow::Borrowed(self)
+        let part = clip(&self.corners, normal, horizon);
+        (part.len() >= 3).then(|| Self::flat(part, own, self.clearance, self.primitive))
     }
 
     /// The least value of a linear function on it.
@@ -160,7 +155,8 @@ impl Shaft {
     #[must_use]
     pub fn between(from: &ShaftEnd, to: &ShaftEnd) -> Self {
         // What is below the horizon of the other end sends nothing there.
-        let (from, to) = (&from.above(to), &to.above(from));
+        let (cut_from, cut_to) = (from.cut_by_horizon(to), to.cut_by_horizon(from));
+        let (from, to) = (cut_from.as_ref().unwrap_or(from), cut_to.as_ref().unwrap_or(to));
         let corners: Vec<DVec3> = from.corners.iter().chain(&to.corners).copied().collect();
         let scale = corners.iter().fold(0.0, |scale: f64, c| scale.max(c.abs().max_element()));
         let margin = MARGIN * scale;

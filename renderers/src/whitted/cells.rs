@@ -1,9 +1,9 @@
 //! Where whole lights are certainly visible: planar surfaces in cells, and what is known of each cell and light.
 
+use core::hash::BuildHasherDefault;
 use std::collections::HashMap;
-use std::hash::BuildHasherDefault;
 
-use glam::DVec3;
+use glam::{DVec3, Vec3A};
 
 use super::light::{AreaLight, AreaShape, Light, Receiver};
 use crate::geometry::{Shaft, ShaftEnd, World};
@@ -11,7 +11,7 @@ use crate::spectral::PairHasher;
 
 /// Voxels along the longest side of the scene, from coarse to fine: where the light is not visible from a whole coarse cell, it is asked
 /// for again from the finer one.
-const LEVELS: [u32; 2] = [16, 128];
+const LEVELS: [u32; 2] = [16, 64];
 /// Bits of a voxel's coordinate in a key.
 const COORDINATE_BITS: u32 = 10;
 /// A circle is within the regular polygon around it with this many corners.
@@ -48,11 +48,11 @@ struct Known {
 impl Cells {
     /// The cells for a world and its lights.
     pub(super) fn new(world: &World, lights: &[Light]) -> Self {
-        let [low, high] = world.bounds().map(|corner| corner.as_dvec3());
+        let [low, high] = world.bounds().map(Vec3A::as_dvec3);
         let longest = (high - low).max_element().max(f64::MIN_POSITIVE);
         let widths = LEVELS.map(|count| longest / f64::from(count));
-        // A cell costs about as much as the shadow rays of a few receivers.
-        let least_area = (0.5 * widths[LEVELS.len() - 1]).powi(2);
+        // A cell costs as much as the shadow rays of some receivers, which smaller primitives may not have.
+        let least_area = widths[LEVELS.len() - 1].powi(2);
         let count = u32::try_from(world.len()).unwrap_or(u32::MAX);
         let large = (0..count).map(|primitive| world.area(primitive) >= least_area).collect();
         let end = |light: &Light| match light {

@@ -78,6 +78,15 @@ impl Flat {
     }
 }
 
+/// What a light looks like from one receiver.
+#[derive(Clone, Copy)]
+struct Outline {
+    flat: Flat,
+    round: bool,
+    /// A sphere that the flat shape stands for.
+    sphere: Option<(DVec3, f64)>,
+}
+
 /// A light as one receiver sees it: a flat shape and how lattice points map to it.
 struct View<'w> {
     world: &'w World,
@@ -203,10 +212,10 @@ fn unblocked(flat: &Flat, round: bool, receiver: &Receiver) -> f64 {
 
 impl AreaLight {
     /// The light's shape as the receiver sees it: flat, with the sphere it stands for.
-    fn flat(&self, receiver: &Receiver) -> Option<(Flat, bool, Option<(DVec3, f64)>)> {
+    fn flat(&self, receiver: &Receiver) -> Option<Outline> {
         match self.shape {
-            AreaShape::Rectangle(flat) => Some((flat, false, None)),
-            AreaShape::Disk(flat) => Some((flat, true, None)),
+            AreaShape::Rectangle(flat) => Some(Outline { flat, round: false, sphere: None }),
+            AreaShape::Disk(flat) => Some(Outline { flat, round: true, sphere: None }),
             AreaShape::Sphere { centre, radius } => {
                 // The disk of the sphere's visible cap fills the same cone.
                 let way = receiver.position - centre;
@@ -218,7 +227,8 @@ impl AreaLight {
                 let seen = radius * (1.0 - (radius / distance).powi(2)).sqrt();
                 let (u, v) = normal.any_orthonormal_pair();
                 let middle = centre + normal * (radius * radius / distance);
-                Some((Flat { centre: middle, u: u * seen, v: v * seen, normal }, true, Some((centre, radius))))
+                let flat = Flat { centre: middle, u: u * seen, v: v * seen, normal };
+                Some(Outline { flat, round: true, sphere: Some((centre, radius)) })
             }
         }
     }
@@ -234,7 +244,7 @@ impl AreaLight {
         is_clear: impl FnOnce() -> bool,
         mut receive: impl FnMut(Part),
     ) {
-        let Some((flat, round, sphere)) = self.flat(receiver) else { return };
+        let Some(Outline { flat, round, sphere }) = self.flat(receiver) else { return };
         if (receiver.position - flat.centre).dot(flat.normal) <= 0.0 {
             return;
         }
