@@ -52,13 +52,14 @@ fn below(rng: &mut Rng, limit: usize) -> usize {
 fn mutate(rng: &mut Rng, bytes: &mut Vec<u8>, others: &[Vec<u8>]) {
     let place = below(rng, bytes.len());
     let end = (place + 1 + below(rng, 16)).min(bytes.len());
-    match below(rng, 7) {
-        0 if !bytes.is_empty() => bytes[place] ^= 1 << below(rng, 8),
-        1 if !bytes.is_empty() => bytes[place] = rng.bits() as u8,
-        2 if !bytes.is_empty() => drop(bytes.drain(place..end)),
-        3 => bytes.insert(place, rng.bits() as u8),
-        4 => drop(bytes.splice(place..place, WORDS[below(rng, WORDS.len())].bytes())),
-        5 if !bytes.is_empty() => {
+    match below(rng, 10) {
+        0..3 => other_number(rng, bytes, place),
+        3 if !bytes.is_empty() => bytes[place] ^= 1 << below(rng, 8),
+        4 if !bytes.is_empty() => bytes[place] = rng.bits() as u8,
+        5 if !bytes.is_empty() => drop(bytes.drain(place..end)),
+        6 => bytes.insert(place, rng.bits() as u8),
+        7 => drop(bytes.splice(place..place, WORDS[below(rng, WORDS.len())].bytes())),
+        8 if !bytes.is_empty() => {
             let copy = bytes[place..end].to_vec();
             drop(bytes.splice(place..place, copy));
         }
@@ -70,6 +71,14 @@ fn mutate(rng: &mut Rng, bytes: &mut Vec<u8>, others: &[Vec<u8>]) {
         }
     }
     bytes.truncate(LONGEST);
+}
+
+/// Another number in place of the first digit from `place` on: most of it is read as before.
+fn other_number(rng: &mut Rng, bytes: &mut Vec<u8>, place: usize) {
+    let Some(offset) = bytes[place.min(bytes.len())..].iter().position(u8::is_ascii_digit) else { return };
+    let digit = place + offset;
+    let numbers = ["0", "1", "2", "5", "9", "-", ".", "e", "1e3", "1e-9"];
+    drop(bytes.splice(digit..=digit, numbers[below(rng, numbers.len())].bytes()));
 }
 
 /// Runs a target on its seeds and on mutations of them, naming the input if it panics.
