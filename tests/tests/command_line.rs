@@ -117,6 +117,10 @@ fn bad_scenes_are_refused_by_file_and_line() {
         (scene("<shape type='sphere'>\n<float name='radius' value='0'/><emitter type='area'/></shape>"), "bad.xml:4: "),
         (format!("<scene version='3.0.0'>\n<sensor type='perspective'>\n{film}</sensor></scene>"), "bad.xml:4: "),
         ("<scene version='3.0.0'>\n</scene>".into(), "bad.xml:1: <scene>: the scene has no <sensor>"),
+        (
+            scene("<integrator type='whitted'>\n<integer name='max_depth' value='257'/></integrator>"),
+            "bad.xml:4: <integer>: \"max_depth\" must be between 0 and 256",
+        ),
         (scene("<shape type='disk'/>\n<emitter type='constant'/>"), "bad.xml: constant (bad.xml:4): "),
         (
             scene("<shape type='obj'>\n<string name='filename' value='good.obj'/><emitter type='area'/></shape>"),
@@ -321,6 +325,27 @@ fn the_number_of_threads_changes_nothing() {
             assert!(one == three, "{scene}, {spectra}: the picture depends on the number of threads");
         }
     }
+}
+
+/// Between two mirrors that face each other a path is as long as may be.
+#[test]
+fn the_longest_paths_fit_on_the_stack() {
+    let folder = fresh("mirrors");
+    let mirror = |turn: u32, z: i32| {
+        format!(
+            "<shape type='rectangle'><transform name='to_world'><rotate y='1' angle='{turn}'/><translate z='{z}'/>
+            </transform><bsdf type='conductor'/></shape>"
+        )
+    };
+    let text = format!(
+        "<scene version='3.0.0'><integrator type='whitted'><integer name='max_depth' value='256'/></integrator>
+        <sensor type='perspective'><float name='fov' value='1e-4'/></sensor>{}{}</scene>",
+        mirror(180, 1),
+        mirror(0, -1)
+    );
+    fs::write(folder.join("mirrors.xml"), text).unwrap();
+    let found = render(&folder, &["mirrors.xml", "--size", "2x2", "--spp", "1", "--threads", "1"]);
+    assert_eq!(found["rays"], 4 * 257);
 }
 
 #[test]

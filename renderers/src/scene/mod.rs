@@ -17,7 +17,7 @@
 //! | `<ref id>` | | to a `bsdf` or a `spectrum`, before or after it |
 //! | `<integrator>` | `direct` | |
 //! | | `path` | `max_depth` (−1: no limit), `rr_depth` (5) |
-//! | | `whitted` *ext.* | `max_depth` (8) |
+//! | | `whitted` *ext.* | `max_depth` (8, at most 256) |
 //! | `<sensor>` | `perspective` | `fov` (needed), `fov_axis` (`x`), `near_clip` (0.01), `far_clip` (10⁴), `to_world`; `sampler`, `film` |
 //! | `<sampler>` | `independent`, `stratified`, `multijitter`, `orthogonal`, `ldsampler` | `sample_count` (4), `seed` (0); the type has no effect |
 //! | `<film>` | `hdrfilm` | `width` (768), `height` (576); `rfilter`; `pixel_format` (`rgb` only), `file_format`, `component_format`: no effect |

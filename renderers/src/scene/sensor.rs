@@ -8,6 +8,8 @@ use super::{Camera, Film, Filter, FovAxis, Integrator, Sampler, SceneError};
 pub(crate) const DEFAULT_INTEGRATOR: Integrator = Integrator::Path { max_depth: None, rr_depth: 5 };
 /// Longest side of an image, pixels.
 const MAX_SIDE: i64 = 65_536;
+/// Longest chain of reflections and refractions: more than is ever seen, and no more than a thread's stack holds.
+const MAX_DEPTH: i64 = 256;
 /// How far a camera's transform may be from a rotation: Mitsuba's own limit.
 const RIGID_TOLERANCE: f64 = 1e-3;
 
@@ -21,7 +23,7 @@ pub(crate) fn integrator(mut props: Props<'_>) -> Result<Integrator, SceneError>
             let rr_depth = unsigned(props.integer("rr_depth", 5, 1, max)?);
             Integrator::Path { max_depth: u32::try_from(max_depth).ok(), rr_depth }
         }
-        "whitted" => Integrator::Whitted { max_depth: unsigned(props.integer("max_depth", 8, 0, max)?) },
+        "whitted" => Integrator::Whitted { max_depth: unsigned(props.integer("max_depth", 8, 0, MAX_DEPTH)?) },
         other => {
             return Err(unsupported(props.node(), "integrator type", other, &["direct", "path", "whitted"]));
         }
