@@ -3,6 +3,7 @@
 pub mod compare;
 pub mod geometry;
 pub mod image;
+pub mod light;
 pub mod progress;
 pub mod render;
 pub mod report;

@@ -210,9 +210,9 @@ mod tests {
     #[test]
     fn bradford_from_a_to_d65_is_the_published_matrix() {
         let published = [
-            [0.844_642_7, -0.117_972_5, 0.394_921_7],
-            [-0.136_632_6, 1.104_122_6, 0.129_189_7],
-            [0.079_848_9, -0.134_898_9, 3.192_407_9],
+            [0.844_696_5, -0.117_922_5, 0.394_810_8],
+            [-0.136_630_3, 1.104_122_6, 0.129_171_8],
+            [0.079_848_9, -0.134_899_9, 3.192_400_9],
         ];
         let actual = Adaptation::<f64>::bradford(WHITE_A, WHITE_D65).matrix;
         for (actual, published) in actual.into_iter().zip(published) {

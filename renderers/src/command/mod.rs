@@ -3,6 +3,7 @@
 //! Exit codes: 0 when done, 1 when a check failed, 2 for bad input, with one line on stderr.
 
 mod compare;
+mod light;
 mod render;
 mod scene;
 
@@ -31,6 +32,8 @@ enum Command {
     Render(render::Arguments),
     /// Compare two pictures: colour difference and relative brightness.
     Compare(compare::Arguments),
+    /// Everything there is to say of a light: colour temperature, colour rendering, action spectra.
+    Light(light::Arguments),
     /// List the built-in scenes, or write one out as files for other renderers.
     Scene(scene::Arguments),
 }
@@ -101,6 +104,7 @@ fn dispatch(arguments: Arguments) -> Result<Answer, Failure> {
     match arguments.command {
         Command::Render(render) => render.run(),
         Command::Compare(compare) => compare.run(),
+        Command::Light(light) => light.run(),
         Command::Scene(scene) => scene.run(),
     }
 }
