@@ -3,7 +3,7 @@
 use proptest::prelude::*;
 use proptest::test_runner::{Config, RngSeed};
 use spectral_core::colour_rendering::{Cri00, Rendering, cie_13_3, cri00, munsell_samples};
-use spectral_core::light::{FidelityMeter, LightMeasures, LightMeter, measure, measure_fidelity};
+use spectral_core::light::{FidelityMeter, IndexMeter, LightMeasures, LightMeter, measure, measure_fidelity};
 use spectral_core::spectrum::RadiationConstant;
 use spectral_core::summation::{DirectColours, Illuminated, PreparedColours, SumGrid, TestColours};
 use spectral_core::tables::observers::CIE_1931_2;
@@ -59,6 +59,10 @@ proptest! {
         let (chromaticity, indices) = meter.munsell(&light).unwrap();
         prop_assert_eq!(bits(&chromaticity), bits(&single.chromaticity));
         prop_assert_eq!(bits(&indices), bits(&single.rendering.map(|r| [r.ra, r.cri00_munsell])));
+        let general = Box::new(IndexMeter::new(GRID, CONSTANT)).measure(&light).unwrap();
+        prop_assert_eq!(bits(&general.chromaticity), bits(&single.chromaticity));
+        prop_assert_eq!(general.ra, single.rendering.map(|r| r.ra.general));
+        prop_assert_eq!(general.cri00, single.rendering.map(|r| r.cri00_munsell.general));
 
         let narrow = in_single(&light);
         let meter = Box::new(LightMeter::new(GRID, CONSTANT));
