@@ -3,7 +3,7 @@
 
 use divan::{Bencher, black_box};
 use spectral_core::Real;
-use spectral_core::light::{FidelityMeter, LightMeter, measure};
+use spectral_core::light::{FidelityMeter, IndexMeter, LightMeter, measure};
 use spectral_core::spectrum::{Outside, RadiationConstant};
 use spectral_core::summation::SumGrid;
 use spectral_core::tables::find_light;
@@ -25,6 +25,12 @@ fn lamp<R: Real>(name: &str) -> [R; 81] {
 fn cct<R: Real>(bencher: Bencher, name: &str) {
     let (meter, light) = (Box::new(LightMeter::<R, 81>::new(GRID, CONSTANT)), lamp::<R>(name));
     bencher.bench_local(|| meter.chromaticity(black_box(&light)));
+}
+
+#[divan::bench(types = [f32, f64], args = LAMPS)]
+fn cct_ra_cri00_general<R: Real>(bencher: Bencher, name: &str) {
+    let (meter, light) = (Box::new(IndexMeter::<R, 81>::new(GRID, CONSTANT)), lamp::<R>(name));
+    bencher.bench_local(|| meter.measure(black_box(&light)));
 }
 
 #[divan::bench(types = [f32, f64], args = LAMPS)]

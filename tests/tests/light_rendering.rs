@@ -106,13 +106,15 @@ fn lines_have_numbers_or_a_status<R: Real>() {
             if let Some(rendering) = found.rendering {
                 for general in [rendering.ra.general, rendering.cri00_munsell.general] {
                     assert!(general.is_finite(), "line {index}: {general}");
-                    assert!(general < R::from_f64(60.0), "line {index}: {general}");
+                    assert!(general < R::from_f64(100.0), "line {index}: {general}");
                 }
             } else {
                 assert!(!cct.is_in_range() || cct.temperature > R::from_f64(25_000.0));
             }
-            // Spectral lines are far from the locus, but for those where it ends: red, at the cold end.
-            assert!(cct.status != CctStatus::Valid || (40..=60).contains(&index), "line {index}: {cct:?}");
+            let near = cct.duv.abs() <= R::from_f64(0.05) && cct.is_in_range();
+            assert_eq!(cct.status == CctStatus::Valid, near, "line {index}: {cct:?}");
+            // Blue and green lines, up to 560 nm, are far from the locus or beyond its ends.
+            assert!(!near || index > 36, "line {index}: {cct:?}");
         }
     }
 }
@@ -144,34 +146,35 @@ fn bad_lights_are_refused() {
     assert!(measure(GRID, &with(3, -0.0), CONSTANT).is_ok());
 }
 
-/// `independent`: `colour_fidelity_index_ANSIIESTM3018` of colour-science 0.4.7, whose colour temperature (Ohno 2013) is off
-/// by up to 0.2 K.
+/// `independent`: `colour_fidelity_index_ANSIIESTM3018` of colour-science 0.4.7, with its colour temperature and reference
+/// light brought to the same convention: the Planckian locus summed at 5 nm (it takes 1 nm) and the factors of daylight not
+/// rounded. As it is, its R_f differ by up to 0.005 and its R_g by up to 0.001. What is left is its colour temperature, off
+/// by up to 0.01 K.
 #[test]
 fn fidelity_agrees_with_colour_science() {
     let meter = Box::new(FidelityMeter::<f64, 81>::new(GRID, CONSTANT));
     for (name, rf, rg) in FIDELITY {
         let light = GRID.sample(&find_light(name).unwrap().spectrum(Outside::Zero));
         let found = meter.measure(&light).unwrap().unwrap();
-        println!("{name}: {} {}", found.rf, found.rg);
-        assert!((found.rf - rf).abs() <= 0.005, "{name}: R_f {}", found.rf);
-        assert!((found.rg - rg).abs() <= 0.005, "{name}: R_g {}", found.rg);
+        assert!((found.rf - rf).abs() <= 1e-4, "{name}: R_f {}", found.rf);
+        assert!((found.rg - rg).abs() <= 1e-4, "{name}: R_g {}", found.rg);
         let single = measure_fidelity(GRID, &light, CONSTANT).unwrap().unwrap();
         assert_eq!(format!("{single:?}"), format!("{found:?}"));
     }
 }
 
 const FIDELITY: [(&str, f64, f64); 13] = [
-    ("A", 100.000285, 100.000007),
-    ("D65", 100.000388, 100.000036),
-    ("FL1", 80.638240, 89.831414),
-    ("FL2", 70.120824, 86.416348),
-    ("FL4", 56.698972, 83.491175),
-    ("FL7", 91.473883, 98.896963),
-    ("FL11", 80.040413, 101.056655),
-    ("FL3.1", 55.330523, 83.981796),
-    ("FL3.9", 77.401424, 99.959533),
-    ("HP1", 34.192104, 53.966905),
-    ("HP3", 83.190017, 97.168322),
-    ("LED-B1", 84.082022, 96.148065),
-    ("LED-RGB1", 71.000733, 107.008219),
+    ("A", 100.000422, 99.999986),
+    ("D65", 99.994944, 100.000155),
+    ("FL1", 80.640277, 89.831821),
+    ("FL2", 70.120979, 86.416300),
+    ("FL4", 56.699052, 83.491155),
+    ("FL7", 91.476402, 98.897237),
+    ("FL11", 80.040718, 101.056659),
+    ("FL3.1", 55.330595, 83.981778),
+    ("FL3.9", 77.400878, 99.960423),
+    ("HP1", 34.192113, 53.966899),
+    ("HP3", 83.190245, 97.168301),
+    ("LED-B1", 84.082034, 96.148058),
+    ("LED-RGB1", 71.000702, 107.008181),
 ];

@@ -14,7 +14,7 @@ use super::LightReport;
 use crate::image::{Anchor, Canvas, ImageError, Rgb8, Scale, ticks};
 
 const WIDTH: usize = 1200;
-const HEIGHT: usize = 860;
+const HEIGHT: usize = 800;
 const GROUND: Rgb8 = [255, 255, 255];
 const INK: Rgb8 = [30, 30, 30];
 const GRID: Rgb8 = [222, 222, 222];
@@ -129,10 +129,12 @@ fn chromaticity(canvas: &mut Canvas, report: &LightReport) {
     };
     let planckian: Vec<_> = (1..=100).map(|step| uv(1e6 / (10.0 * f64::from(step)))).collect();
     canvas.lines(&planckian, 1.5, REFERENCE);
-    for temperature in [1000.0, 2000.0, 3000.0, 5000.0, 10_000.0] {
+    for temperature in [1000.0, 2000.0, 4000.0, 10_000.0] {
         let [x, y] = uv(temperature);
         canvas.lines(&[[x, y - 4.0], [x, y + 4.0]], 1.2, REFERENCE);
-        canvas.text(&format!("{temperature:.0}"), [x, y + 18.0], 8.0, Anchor::Middle, REFERENCE);
+        // Below the locus where it is level, to its right where it is steep.
+        let at = if temperature < 2500.0 { [x - 8.0, y + 18.0] } else { [x + 8.0, y + 14.0] };
+        canvas.text(&format!("{temperature:.0} K"), at, 8.0, Anchor::Start, REFERENCE);
     }
     let [x, y] = axes.point(report.uv[0], report.uv[1]);
     canvas.lines(&[[x - 7.0, y], [x + 7.0, y]], 2.0, LIGHT);

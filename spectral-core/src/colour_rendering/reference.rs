@@ -47,9 +47,10 @@ impl<R: Real> ReferenceLight<R> {
     pub fn spectrum<const N: usize>(&self, grid: SumGrid<N>, locus: &PlanckianLocus<R, N>) -> Option<[R; N]> {
         match self.kind {
             ReferenceKind::Planckian => Some(locus.spectrum(self.temperature)),
-            ReferenceKind::Daylight => {
-                Daylight::new(self.temperature, Rounding::None).ok().map(|daylight| grid.sample(&daylight))
-            }
+            ReferenceKind::Daylight => Daylight::new(self.temperature, Rounding::None).ok().map(|daylight| {
+                let [first, step] = [grid.first(), grid.step()].map(usize::from);
+                core::array::from_fn(|index| daylight.at_whole(first + step * index))
+            }),
         }
     }
 }

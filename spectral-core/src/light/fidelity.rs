@@ -33,8 +33,7 @@ pub fn measure_fidelity<R: Real, const N: usize>(
 #[derive(Clone, Copy, Debug)]
 pub struct FidelityMeter<R, const N: usize> {
     grid: SumGrid<N>,
-    constant: RadiationConstant,
-    observer: [[R; 3]; N],
+    locus: PlanckianLocus<R, N>,
     wide: [[R; 3]; N],
     nodes: LocusTable<R>,
     samples: PreparedColours<R, N, 99>,
@@ -45,12 +44,12 @@ impl<R: Real, const N: usize> FidelityMeter<R, N> {
     #[must_use]
     pub fn new(grid: SumGrid<N>, constant: RadiationConstant) -> Self {
         let (observer, wide) = (grid.observer::<R>(&CIE_1931_2), grid.observer::<R>(&CIE_1964_10));
+        let locus = PlanckianLocus::new(grid, &observer, constant);
         Self {
             grid,
-            constant,
-            observer,
+            locus,
             wide,
-            nodes: LocusTable::new(&PlanckianLocus::new(grid, &observer, constant)),
+            nodes: LocusTable::new(&locus),
             samples: PreparedColours::new(grid, &wide, &colour_evaluation_samples()),
         }
     }
@@ -60,8 +59,7 @@ impl<R: Real, const N: usize> FidelityMeter<R, N> {
     /// # Errors
     /// As [`measure_fidelity`].
     pub fn measure(&self, light: &[R; N]) -> Result<Option<Fidelity<R, 99>>, LightError> {
-        let locus = PlanckianLocus::new(self.grid, &self.observer, self.constant);
-        evaluate(light, self.grid, &locus, &self.nodes, &self.wide, &self.samples)
+        evaluate(light, self.grid, &self.locus, &self.nodes, &self.wide, &self.samples)
     }
 }
 

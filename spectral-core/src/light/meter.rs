@@ -1,6 +1,6 @@
 //! The batch form: everything that does not depend on the light, computed once.
 
-use super::{Chromaticity, LightError, LightMeasures, Parts, normalise, pair};
+use super::{Chromaticity, LightError, LightMeasures, Parts, chromaticity, normalise, pair};
 use crate::Real;
 use crate::action::ActionSpectra;
 use crate::cct::{LocusTable, PlanckianLocus};
@@ -16,8 +16,7 @@ use crate::tables::observers::CIE_1931_2;
 #[derive(Clone, Copy, Debug)]
 pub struct LightMeter<R, const N: usize> {
     grid: SumGrid<N>,
-    constant: RadiationConstant,
-    observer: [[R; 3]; N],
+    locus: PlanckianLocus<R, N>,
     nodes: LocusTable<R>,
     munsell: PreparedColours<R, N, 14>,
     colorchecker: PreparedColours<R, N, 10>,
@@ -32,11 +31,11 @@ impl<R: Real, const N: usize> LightMeter<R, N> {
     #[must_use]
     pub fn new(grid: SumGrid<N>, constant: RadiationConstant) -> Self {
         let observer = grid.observer::<R>(&CIE_1931_2);
+        let locus = PlanckianLocus::new(grid, &observer, constant);
         Self {
             grid,
-            constant,
-            observer,
-            nodes: LocusTable::new(&PlanckianLocus::new(grid, &observer, constant)),
+            locus,
+            nodes: LocusTable::new(&locus),
             munsell: PreparedColours::new(grid, &observer, &munsell_samples()),
             colorchecker: PreparedColours::new(grid, &observer, &colorchecker_samples()),
             actions: ActionSpectra::new(grid),
@@ -46,8 +45,7 @@ impl<R: Real, const N: usize> LightMeter<R, N> {
     fn parts(&self) -> MeterParts<'_, R, N> {
         Parts {
             grid: self.grid,
-            observer: &self.observer,
-            locus: PlanckianLocus::new(self.grid, &self.observer, self.constant),
+            locus: &self.locus,
             nodes: &self.nodes,
             munsell: &self.munsell,
             colorchecker: &self.colorchecker,
@@ -69,10 +67,10 @@ impl<R: Real, const N: usize> LightMeter<R, N> {
     /// As [`measure`](Self::measure).
     pub fn chromaticity(&self, light: &[R; N]) -> Result<Chromaticity<R>, LightError> {
         let (light, _) = normalise(light)?;
-        self.parts().chromaticity(tristimulus_sum(&self.observer, &light))
+        chromaticity(tristimulus_sum(self.locus.observer(), &light), &self.nodes)
     }
 
-    /// Chromaticity, R_a and CRI00 with the Munsell samples; no indices where there is no reference light.
+    /// Chromaticity, and R_a and CRI00 with the 14 Munsell samples; no indices where there is no reference light.
     ///
     /// # Errors
     /// As [`measure`](Self::measure).
@@ -80,11 +78,64 @@ impl<R: Real, const N: usize> LightMeter<R, N> {
     pub fn munsell(&self, light: &[R; N]) -> Result<(Chromaticity<R>, Option<[Rendering<R, 14>; 2]>), LightError> {
         let parts = self.parts();
         let (light, _) = normalise(light)?;
-        let chromaticity = parts.chromaticity(tristimulus_sum(&self.observer, &light))?;
+        let chromaticity = chromaticity(tristimulus_sum(self.locus.observer(), &light), &self.nodes)?;
         let Some(reference) = chromaticity.reference else { return Ok((chromaticity, None)) };
-        let reference = reference.spectrum(self.grid, &parts.locus).ok_or(LightError::Dark)?;
+        let reference = reference.spectrum(self.grid, parts.locus).ok_or(LightError::Dark)?;
         let [test, reference] = pair(&self.munsell, &light, &reference)?;
         let indices = [cie_13_3(&test, &reference), cri00(&test, &reference, &Cri00::MUNSELL)];
         Ok((chromaticity, Some(indices)))
+    }
+}
+
+/// The general indices of a light.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GeneralIndices<R> {
+    /// Chromaticity and colour temperature.
+    pub chromaticity: Chromaticity<R>,
+    /// R_a of CIE 13.3-1995; `None` where there is no reference light.
+    pub ra: Option<R>,
+    /// CRI00 with the Munsell samples; `None` where there is no reference light.
+    pub cri00: Option<R>,
+}
+
+/// Measures colour temperature, R_a and CRI00 of many lights on one grid, and nothing that these don't need: the first eight
+/// Munsell samples, without special indices of the others. For pictures.
+///
+/// Results are those of [`measure`](super::measure), to the bit.
+#[derive(Clone, Copy, Debug)]
+pub struct IndexMeter<R, const N: usize> {
+    grid: SumGrid<N>,
+    locus: PlanckianLocus<R, N>,
+    nodes: LocusTable<R>,
+    munsell: PreparedColours<R, N, 8>,
+}
+
+impl<R: Real, const N: usize> IndexMeter<R, N> {
+    /// A meter for lights on a grid.
+    #[must_use]
+    pub fn new(grid: SumGrid<N>, constant: RadiationConstant) -> Self {
+        let observer = grid.observer::<R>(&CIE_1931_2);
+        let locus = PlanckianLocus::new(grid, &observer, constant);
+        let samples = munsell_samples();
+        let averaged: [_; 8] = core::array::from_fn(|sample| samples[sample]);
+        Self { grid, locus, nodes: LocusTable::new(&locus), munsell: PreparedColours::new(grid, &observer, &averaged) }
+    }
+
+    /// The general indices of a light.
+    ///
+    /// # Errors
+    /// [`LightError`] when a sample is negative or not finite, or the light has no power in the visible range.
+    pub fn measure(&self, light: &[R; N]) -> Result<GeneralIndices<R>, LightError> {
+        let (light, _) = normalise(light)?;
+        let sums = tristimulus_sum(self.locus.observer(), &light);
+        let chromaticity = chromaticity(sums, &self.nodes)?;
+        let Some(reference) = chromaticity.reference else {
+            return Ok(GeneralIndices { chromaticity, ra: None, cri00: None });
+        };
+        let reference = reference.spectrum(self.grid, &self.locus).ok_or(LightError::Dark)?;
+        let [test, reference] = pair(&self.munsell, &light, &reference)?;
+        let ra = cie_13_3(&test, &reference).general;
+        let cri00 = cri00(&test, &reference, &Cri00::MUNSELL).general;
+        Ok(GeneralIndices { chromaticity, ra: Some(ra), cri00: Some(cri00) })
     }
 }

@@ -3,7 +3,8 @@
 //!
 //! [`measure`] needs no memory beyond its result and forms every product as it goes: for one light, or a lamp's own
 //! microcontroller. A [`LightMeter`] precomputes the products of samples, observer and action spectra and the Planckian
-//! locus (56 KB in `f64`, half of it in `f32`): for every pixel of a picture. Both give the same bits.
+//! locus (56 KB in `f64`, half of it in `f32`): for every pixel of a picture. An [`IndexMeter`] does the
+//! same for colour temperature, R_a and CRI00 alone. All give the same bits.
 //!
 //! **Grid.** A light is `N` samples on a [`SumGrid`], used as they are: sums over 380–780 nm at 5 nm for the tables of the
 //! CIE ([`SumGrid::CIE_5NM`]), as CIE 13.3 prescribes; tables at another step are best brought to 1 nm.
@@ -33,7 +34,7 @@ use crate::spectrum::RadiationConstant;
 use crate::summation::{DirectColours, Illuminated, SumGrid, TestColours, tristimulus_sum};
 use crate::tables::observers::CIE_1931_2;
 pub use fidelity::{FidelityMeter, measure_fidelity};
-pub use meter::LightMeter;
+pub use meter::{GeneralIndices, IndexMeter, LightMeter};
 
 /// Why a light was refused; an index is that of the first sample at fault, from 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -146,8 +147,7 @@ pub fn measure<R: Real, const N: usize>(
     let (munsell, colorchecker) = (munsell_samples::<R>(), colorchecker_samples::<R>());
     let parts = Parts {
         grid,
-        observer: &observer,
-        locus,
+        locus: &locus,
         nodes: &locus,
         munsell: &DirectColours::new(grid, &observer, &munsell),
         colorchecker: &DirectColours::new(grid, &observer, &colorchecker),
@@ -159,8 +159,7 @@ pub fn measure<R: Real, const N: usize>(
 /// What a measurement is made with; the one implementation of it for both forms.
 struct Parts<'a, R, L, M, C, const N: usize> {
     grid: SumGrid<N>,
-    observer: &'a [[R; 3]; N],
-    locus: PlanckianLocus<'a, R, N>,
+    locus: &'a PlanckianLocus<R, N>,
     nodes: &'a L,
     munsell: &'a M,
     colorchecker: &'a C,
@@ -172,9 +171,9 @@ impl<R: Real, L: Locus<R>, M: TestColours<R, N, 14>, C: TestColours<R, N, 10>, c
 {
     fn measure(&self, light: &[R; N]) -> Result<LightMeasures<R>, LightError> {
         let (light, scale) = normalise(light)?;
-        let sums = tristimulus_sum(self.observer, &light);
+        let sums = tristimulus_sum(self.locus.observer(), &light);
         let action = self.actions.measure(&light, sums, scale).ok_or(LightError::Dark)?;
-        let chromaticity = self.chromaticity(sums)?;
+        let chromaticity = chromaticity(sums, self.nodes)?;
         let rendering = match chromaticity.reference {
             Some(reference) => Some(self.rendering(&light, reference)?),
             None => None,
@@ -187,17 +186,8 @@ impl<R: Real, L: Locus<R>, M: TestColours<R, N, 14>, C: TestColours<R, N, 10>, c
         Ok(LightMeasures { power, chromaticity, rendering, r96_c: self.r96_nearest(&light)?, action })
     }
 
-    fn chromaticity(&self, sums: [R; 3]) -> Result<Chromaticity<R>, LightError> {
-        let xyz = sums.map(|sum| sum / sums[1]);
-        let uv = xyz_to_uv(xyz);
-        let [x, y, _] = xyz_to_xyy(xyz).ok_or(LightError::Dark)?;
-        let cct = correlated_colour_temperature(uv, self.nodes).ok_or(LightError::Dark)?;
-        let reference = if cct.is_in_range() { ReferenceLight::for_temperature(cct.temperature) } else { None };
-        Ok(Chromaticity { xyz, xy: [x, y], uv, cct, reference })
-    }
-
     fn rendering(&self, light: &[R; N], reference: ReferenceLight<R>) -> Result<ColourRendering<R>, LightError> {
-        let reference = reference.spectrum(self.grid, &self.locus).ok_or(LightError::Dark)?;
+        let reference = reference.spectrum(self.grid, self.locus).ok_or(LightError::Dark)?;
         let [test, under_reference] = pair(self.munsell, light, &reference)?;
         let [patches, patches_under_reference] = pair(self.colorchecker, light, &reference)?;
         Ok(ColourRendering {
@@ -212,16 +202,26 @@ impl<R: Real, L: Locus<R>, M: TestColours<R, N, 14>, C: TestColours<R, N, 10>, c
         let mut spectra = [[R::ZERO; N]; 6];
         for (spectrum, reference) in spectra.iter_mut().zip(R96_REFERENCES) {
             let reference = ReferenceLight { kind: reference.kind, temperature: R::from_f64(reference.temperature) };
-            *spectrum = reference.spectrum(self.grid, &self.locus).ok_or(LightError::Dark)?;
+            *spectrum = reference.spectrum(self.grid, self.locus).ok_or(LightError::Dark)?;
         }
         let white = |light: &[R; N]| {
-            let sums = tristimulus_sum(self.observer, light);
+            let sums = tristimulus_sum(self.locus.observer(), light);
             sums.map(|sum| sum / sums[1])
         };
         let reference = nearest_r96_reference(white(light), &spectra.each_ref().map(white));
         let [test, under_reference] = pair(self.colorchecker, light, &spectra[reference])?;
         Ok(R96Nearest { reference, rendering: r96(&test, &under_reference, R96C) })
     }
+}
+
+/// Colour, colour temperature and reference light from tristimulus sums.
+fn chromaticity<R: Real>(sums: [R; 3], nodes: &impl Locus<R>) -> Result<Chromaticity<R>, LightError> {
+    let xyz = sums.map(|sum| sum / sums[1]);
+    let uv = xyz_to_uv(xyz);
+    let [x, y, _] = xyz_to_xyy(xyz).ok_or(LightError::Dark)?;
+    let cct = correlated_colour_temperature(uv, nodes).ok_or(LightError::Dark)?;
+    let reference = if cct.is_in_range() { ReferenceLight::for_temperature(cct.temperature) } else { None };
+    Ok(Chromaticity { xyz, xy: [x, y], uv, cct, reference })
 }
 
 /// The samples under the light and under its reference.

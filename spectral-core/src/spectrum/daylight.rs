@@ -84,6 +84,15 @@ impl<R: Real> Daylight<R> {
         self.factors
     }
 
+    /// The value at a whole wavelength in nm: as [`value`](Spectrum::value), without a search where it is a node.
+    pub(crate) fn at_whole(&self, wavelength: usize) -> R {
+        let (first, step) = (usize::from(S0.first), usize::from(S0.step));
+        match wavelength.checked_sub(first) {
+            Some(offset) if offset % step == 0 => self.node(offset / step),
+            _ => self.value(R::from_usize(wavelength)),
+        }
+    }
+
     fn node(&self, index: usize) -> R {
         let [s0, s1, s2] = self.basis.map(|samples| samples.get(index).copied().unwrap_or(R::ZERO));
         let [m1, m2] = self.factors;
