@@ -87,6 +87,14 @@ struct Outline {
     sphere: Option<(DVec3, f64)>,
 }
 
+/// How a receiver sees a point of a light.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Sight {
+    Visible,
+    Blocked,
+    BelowHorizon,
+}
+
 /// A light as one receiver sees it: a flat shape and how lattice points map to it.
 struct View<'w> {
     world: &'w World,
@@ -98,7 +106,7 @@ struct View<'w> {
     primitive: u32,
     /// Whether all of the light is known to be visible.
     clear: bool,
-    known: [[Option<bool>; LATTICE]; LATTICE],
+    known: [[Option<Sight>; LATTICE]; LATTICE],
     total: f64,
     visible: f64,
 }
@@ -120,10 +128,13 @@ impl View<'_> {
         if squared > 0.0 { at_receiver * at_light.max(0.0) / (squared * squared) } else { 0.0 }
     }
 
-    fn sees(&self, point: DVec3) -> bool {
+    fn sees(&self, point: DVec3) -> Sight {
         let way = point - self.receiver.position;
+        if way.dot(self.receiver.normal) <= 0.0 {
+            return Sight::BelowHorizon;
+        }
         if way.dot(self.receiver.geometric) <= 0.0 {
-            return false;
+            return Sight::Blocked;
         }
         let target = match self.sphere {
             None => SurfacePoint::new(single(point), single(self.flat.normal)).on(self.primitive),
@@ -136,13 +147,13 @@ impl View<'_> {
                 SurfacePoint::new(single(entry), single((entry - centre).normalize_or_zero()))
             }
         };
-        !self.world.occluded(&self.receiver.point, &target)
+        if self.world.occluded(&self.receiver.point, &target) { Sight::Blocked } else { Sight::Visible }
     }
 
     /// Visibility at a lattice point, asked for once.
-    fn lattice(&mut self, column: usize, row: usize) -> bool {
+    fn lattice(&mut self, column: usize, row: usize) -> Sight {
         if self.clear {
-            return true;
+            return Sight::Visible;
         }
         if let Some(known) = self.known[row][column] {
             return known;
@@ -162,10 +173,19 @@ impl View<'_> {
         if level < least {
             return self.quarters(level, column, row, least, parts);
         }
-        let count = corners.iter().filter(|(x, y)| self.lattice(column + x, row + y)).count();
+        let sights = corners.map(|(x, y)| self.lattice(column + x, row + y));
         let half = width / 2;
-        let uniform =
-            (count == 0 || count == 4) && (half == 0 || self.lattice(column + half, row + half) == (count == 4));
+        let inside = if half == 0 { None } else { Some(self.lattice(column + half, row + half)) };
+        let count = |sight| sights.iter().filter(|s| **s == sight).count();
+        // What is below the horizon neither lights nor is blocked: the closed form leaves it out.
+        let (visible, blocked) = (count(Sight::Visible), count(Sight::Blocked));
+        let agrees = match inside {
+            None => true,
+            Some(Sight::Visible) => blocked == 0,
+            Some(Sight::Blocked) => visible == 0,
+            Some(Sight::BelowHorizon) => visible + blocked == 0,
+        };
+        let uniform = (visible == 0 || blocked == 0) && agrees;
         if !uniform && level < MAX_LEVEL {
             return self.quarters(level, column, row, least, parts);
         }
@@ -176,7 +196,7 @@ impl View<'_> {
         let side = f64::from(1_u32 << level);
         let weight = self.density(middle) / (side * side);
         #[allow(clippy::cast_precision_loss, reason = "at most 4")]
-        let share = count as f64 / 4.0;
+        let share = if visible == 0 { 0.0 } else { visible as f64 / (visible + blocked) as f64 };
         self.total += weight;
         self.visible += weight * share;
         parts(middle, weight, share);
