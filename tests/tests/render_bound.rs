@@ -1,7 +1,7 @@
 //! The bound of ΔE*ab that comes with every pixel, against renderings by uniform bins of the same rays.
 //!
-//! The reference is `uniform:401`; what its own bins put it off by is measured, as its largest difference to `uniform:4000`: 0.005 for the
-//! continuous lights, 1.7 for the lines of sodium, which therefore have a finer reference too.
+//! The reference is `uniform:401`; what its own bins put it off by is measured, as its largest difference to
+//! `uniform:4000`: 0.005 for the continuous lights, 1.7 for the lines of sodium, which therefore have a finer reference too.
 #![allow(clippy::panic, clippy::unwrap_used, reason = "helpers of tests fail by panicking")]
 #![allow(clippy::print_stdout, reason = "the figures behind the verdict are shown with --nocapture")]
 
