@@ -12,12 +12,15 @@ use crate::image::{ImageError, MAX_PIXELS, Picture, Raster, ScalarMap};
 use crate::scene::{self, Scene};
 use crate::spectral::{
     Colour, Components, IntervalMemory, IntervalSettings, Intervals, Palette, Radiance, Resolver, SharedIntervals,
-    Uniform, UniformBins,
+    Tracer, Uniform, UniformBins,
 };
 use crate::whitted::{RenderError, Whitted, Worker};
 
 /// Pixels along the side of the squares that threads take in turn.
 const TILE: usize = 16;
+
+/// Products of spectra that a thread remembers. Metals that mirror each other make ever new ones.
+const MAX_MONOMIALS: usize = 1 << 15;
 
 /// How spectra are represented.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -60,7 +63,7 @@ pub struct Rendering {
     pub picture: Picture,
     /// Intervals (bins, components) that each pixel took.
     pub intervals: ScalarMap,
-    /// The bound of ΔE*ab of each pixel; `None` for representations without one.
+    /// The bound of ΔE*ab of each pixel's colour before it is rounded to `f32`; `None` for representations without one.
     pub delta_e: Option<ScalarMap>,
     /// The part of the bound that is an estimate of deferred paths' errors.
     pub path_delta_e: Option<ScalarMap>,
@@ -149,7 +152,7 @@ struct Pixels {
 
 impl Frame<'_> {
     /// Renders all tiles, each by whichever thread is free; each thread has one resolver.
-    fn trace<R: Resolver>(&self, start: Instant, resolver: impl Fn() -> R + Sync) -> Pixels {
+    fn trace<R: Resolver>(&self, start: Instant, new_resolver: impl Fn() -> R + Sync) -> Pixels {
         let preparation_seconds = start.elapsed().as_secs_f64();
         let traced = Instant::now();
         let [width, height] = self.size;
@@ -159,7 +162,7 @@ impl Frame<'_> {
         let shared = Mutex::new((vec![Colour::default(); width * height], 0_u64));
         rayon::broadcast(|_| {
             let mut worker = Worker::new(self.scene);
-            let mut resolver = resolver();
+            let mut resolver = new_resolver();
             let mut colours = Vec::with_capacity(TILE * TILE);
             loop {
                 let tile = next.fetch_add(1, Ordering::Relaxed);
@@ -169,8 +172,13 @@ impl Frame<'_> {
                 let (left, top) = (tile % across * TILE, tile / across * TILE);
                 let (right, bottom) = ((left + TILE).min(width), (top + TILE).min(height));
                 colours.clear();
-                for y in top..bottom {
-                    colours.extend((left..right).map(|x| self.pixel(x, y, &mut worker, &mut resolver)));
+                for (x, y) in (top..bottom).flat_map(|y| (left..right).map(move |x| (x, y))) {
+                    if worker.monomials().len() > MAX_MONOMIALS {
+                        // What is known of products is forgotten with their numbers; colours don't depend on it.
+                        worker.forget();
+                        resolver = new_resolver();
+                    }
+                    colours.push(self.pixel(x, y, &mut worker, &mut resolver));
                 }
                 if let Ok(mut shared) = shared.lock() {
                     for (row, y) in colours.chunks(right - left).zip(top..bottom) {
@@ -210,8 +218,8 @@ impl Pixels {
             picture: raster.map(|c| rgb::xyz_to_linear_rgb(c.xyz).map(single)),
             #[allow(clippy::cast_precision_loss, reason = "at most some hundred")]
             intervals: raster.map(|c| c.intervals as f32),
-            delta_e: bounded.then(|| raster.map(|c| single(c.delta_e))),
-            path_delta_e: bounded.then(|| raster.map(|c| single(c.path_delta_e))),
+            delta_e: bounded.then(|| raster.map(|c| single_above(c.delta_e))),
+            path_delta_e: bounded.then(|| raster.map(|c| single_above(c.path_delta_e))),
             rays: self.rays,
             seconds: self.seconds,
             preparation_seconds: self.preparation_seconds,
@@ -219,7 +227,21 @@ impl Pixels {
     }
 }
 
-#[allow(clippy::cast_possible_truncation, reason = "pictures are kept in f32, where nothing is infinite")]
+/// A picture's number: finite, since files keep no others; NaN, of infinite light, is black, under a bound that says so.
+#[allow(clippy::cast_possible_truncation, reason = "pictures are kept in f32")]
 fn single(value: f64) -> f32 {
-    value.min(f64::from(f32::MAX)) as f32
+    let limit = f64::from(f32::MAX);
+    if value.is_nan() { 0.0 } else { value.clamp(-limit, limit) as f32 }
+}
+
+/// A bound in a map: rounded upwards, the largest finite number for no bound at all.
+fn single_above(bound: f64) -> f32 {
+    let rounded = single(bound);
+    if bound.is_nan() {
+        f32::MAX
+    } else if f64::from(rounded) < bound {
+        rounded.next_up().min(f32::MAX)
+    } else {
+        rounded
+    }
 }

@@ -89,13 +89,16 @@ impl<'a, R: Real> Subdivision<'a, R> {
 
     /// The colour at a scale, from the first stage that is enough, else from the last.
     ///
-    /// Domain: `scale` finite and not negative. The bound holds at every scale; it is above the threshold only where the
+    /// Without any stage nothing is known: radius and bound are infinite. Domain: `scale` finite and not negative. The bound holds at every scale; it is above the threshold only where the
     /// last stage was not enough.
     #[inline]
     pub fn at_scale(&self, scale: R) -> Scaled<R> {
         let last = self.stages.len().saturating_sub(1);
         let place = self.stages.iter().position(|s| scale <= s.max_scale).unwrap_or(last);
-        let stage = self.stages.get(place).copied().unwrap_or_default();
+        let Some(stage) = self.stages.get(place) else {
+            let (xyz, radius) = ([R::ZERO; 3], [R::INFINITY; 3]);
+            return Scaled { xyz, radius, delta_e: R::INFINITY, intervals: 0 };
+        };
         let xyz = stage.xyz.map(|v| v * scale);
         let rounding = R::TWO * R::EPSILON;
         let radius = core::array::from_fn(|a| {

@@ -16,7 +16,7 @@ pub(super) struct Arguments {
     /// The picture it is compared with, of the same size.
     second: PathBuf,
     /// The factor on both pictures that makes diffuse white Y = 1.
-    #[arg(long, value_name = "FACTOR", default_value_t = 1.0)]
+    #[arg(long, value_name = "FACTOR", default_value_t = 1.0, allow_negative_numbers = true)]
     exposure: f32,
     /// Folder for the false-colour maps; made if it isn't there.
     #[arg(long, value_name = "DIR", default_value = "out/compare")]

@@ -124,7 +124,7 @@ mod tests {
         for (arguments, expected) in [
             (
                 &[][..],
-                "'spectral' requires a subcommand but one was not provided [subcommands: render, compare, scene, help]",
+                "'spectral' requires a subcommand but one was not provided [subcommands: render, compare, light, scene, help]",
             ),
             (
                 &["render", "--sise", "4x4"],

@@ -34,7 +34,7 @@ pub(super) struct Arguments {
     #[arg(long, value_enum, default_value_t = Bound::Certified)]
     bound: Bound,
     /// The ΔE*ab that each pixel's bound must meet.
-    #[arg(long, value_name = "DE", default_value_t = 1.0)]
+    #[arg(long, value_name = "DE", default_value_t = 1.0, allow_negative_numbers = true)]
     threshold: f64,
     /// Image size; the scene's by default.
     #[arg(long, value_name = "WxH", value_parser = parse_size)]
@@ -140,7 +140,12 @@ impl Arguments {
 
     /// Writes all pictures and returns their names.
     fn write(&self, report: &Report, rendering: &Rendering) -> Result<Vec<PathBuf>, Failure> {
-        let stem = format!("{}-{}", report.scene, report.spectra.replace(':', ""));
+        let bound = match (self.spectra, self.bound) {
+            (Representation::Interval, Bound::Paper) => "-paper",
+            (Representation::Interval, Bound::Corrected) => "-corrected",
+            _ => "",
+        };
+        let stem = format!("{}-{}{bound}", report.scene, report.spectra.replace(':', ""));
         let mut files = Vec::new();
         let mut file = |suffix: &str| {
             files.push(self.out.join(format!("{stem}{suffix}")));
@@ -235,8 +240,10 @@ impl Report {
         table.row(["intervals, mean".to_owned(), format!("{:.2}", self.interval_mean)]);
         table.row(["intervals, maximum".to_owned(), format!("{}", self.interval_max)]);
         if let Some([mean, max, path, above]) = self.bound {
-            table.row(["bound of ΔE*ab, mean".to_owned(), format!("{mean:.3}")]);
-            table.row(["bound of ΔE*ab, maximum".to_owned(), format!("{max:.3}")]);
+            let shown = if mean < 1e6 { format!("{mean:.3}") } else { format!("{mean:.1e}") };
+            table.row(["bound of ΔE*ab, mean".to_owned(), shown]);
+            let shown = if max < 1e6 { format!("{max:.3}") } else { format!("{max:.1e}") };
+            table.row(["bound of ΔE*ab, maximum".to_owned(), shown]);
             if path > 0.0 {
                 table.row(["of it estimated, from refracted paths, mean".to_owned(), format!("{path:.3}")]);
             }
@@ -246,6 +253,10 @@ impl Report {
         if self.bound.is_some() {
             text += "\nintervals per pixel\n";
             text += &self.intervals.to_text(40);
+            if let Some(errors) = &self.errors {
+                text += "\nbound of ΔE*ab per pixel\n";
+                text += &errors.to_text(40);
+            }
         }
         text += "\n";
         for file in files {
@@ -275,6 +286,7 @@ impl Report {
             },
             "delta_e_bound": bound,
             "delta_e_bound_histogram": self.errors.as_ref().map(Histogram::counts),
+            "pixels_outside_bound_histogram": self.errors.as_ref().map(Histogram::outside),
             "files": files,
         })
     }

@@ -3,11 +3,14 @@
 use super::props::{Props, unsupported};
 use super::transform::similarity;
 use super::{Camera, Film, Filter, FovAxis, Integrator, Sampler, SceneError};
+use crate::whitted::DEFAULT_MAX_DEPTH;
 
 /// What a scene gets that names no integrator.
 pub(crate) const DEFAULT_INTEGRATOR: Integrator = Integrator::Path { max_depth: None, rr_depth: 5 };
 /// Longest side of an image, pixels.
 const MAX_SIDE: i64 = 65_536;
+/// Most samples of a pixel.
+const MAX_SAMPLES: i64 = 65_536;
 /// Longest chain of reflections and refractions: more than is ever seen, and no more than a thread's stack holds.
 const MAX_DEPTH: i64 = 256;
 /// How far a camera's transform may be from a rotation: Mitsuba's own limit.
@@ -23,7 +26,9 @@ pub(crate) fn integrator(mut props: Props<'_>) -> Result<Integrator, SceneError>
             let rr_depth = unsigned(props.integer("rr_depth", 5, 1, max)?);
             Integrator::Path { max_depth: u32::try_from(max_depth).ok(), rr_depth }
         }
-        "whitted" => Integrator::Whitted { max_depth: unsigned(props.integer("max_depth", 8, 0, MAX_DEPTH)?) },
+        "whitted" => Integrator::Whitted {
+            max_depth: unsigned(props.integer("max_depth", i64::from(DEFAULT_MAX_DEPTH), 0, MAX_DEPTH)?),
+        },
         other => {
             return Err(unsupported(props.node(), "integrator type", other, &["direct", "path", "whitted"]));
         }
@@ -119,7 +124,7 @@ fn sampler(mut props: Props<'_>) -> Result<Sampler, SceneError> {
     if !TYPES.contains(&props.kind()) {
         return Err(unsupported(props.node(), "sampler type", props.kind(), &TYPES));
     }
-    let sample_count = unsigned(props.integer("sample_count", 4, 1, i64::from(u32::MAX))?);
+    let sample_count = unsigned(props.integer("sample_count", 4, 1, MAX_SAMPLES)?);
     let seed = props.integer("seed", 0, 0, i64::MAX)?;
     props.finish()?;
     Ok(Sampler { sample_count, seed: u64::try_from(seed).unwrap_or(0) })

@@ -11,6 +11,7 @@ use spectral_core::interval::{BuildError, Domain, Interval, Node, Pyramid, Weigh
 use spectral_core::spectrum::{PiecewiseLinear, Spectrum};
 use spectral_core::subdivision::{Stage, Subdivision};
 
+use super::radiance::PairBuild;
 use super::{Colour, Deferred, Monomial, Monomials, Palette, Radiance, Resolver, Tracer, Y_INTEGRAL, normalised};
 
 /// How deep the visible domain may be split: 2⁸ parts of 1.6 nm. Products on the deepest parts are integrated exactly.
@@ -19,8 +20,11 @@ const DEPTH: u8 = 8;
 const MAX_PIECES: usize = 512;
 /// Subdivisions are recorded for colours up to this luminance, relative to white; brighter ones are evaluated afresh.
 const BRIGHTEST: f64 = 64.0;
-/// Products on intervals down to this level are kept by each thread.
-const KEPT_LEVELS: u8 = DEPTH;
+/// How many products on intervals, and how many subdivisions, each thread keeps: 10 MB, and about as much.
+const MAX_KEPT: usize = 1 << 16;
+const MAX_RECORDED: usize = 1 << 13;
+/// A colour of which nothing is known.
+const UNKNOWN: Colour = Colour { xyz: [0.0; 3], delta_e: f64::INFINITY, path_delta_e: 0.0, intervals: 1 };
 
 /// What the interval representation aims at.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -114,13 +118,13 @@ pub struct Intervals<'a> {
     pieces: Vec<Piece<f64>>,
     ops: Vec<Op<f64>>,
     products: Products,
-    recorded: Vec<Option<Recorded>>,
+    recorded: HashMap<Monomial, Recorded, PairBuild>,
 }
 
-/// Products of spectra on intervals, kept for reuse.
+/// Products of spectra on intervals, kept for reuse: at most [`MAX_KEPT`], then they are forgotten.
 #[derive(Clone, Debug, Default)]
 struct Products {
-    kept: Vec<Vec<Option<Interval<f64>>>>,
+    kept: HashMap<(u32, u32), Interval<f64>, PairBuild>,
 }
 
 impl Products {
@@ -132,17 +136,12 @@ impl Products {
         node: Node,
     ) -> Interval<f64> {
         let compute = || shared.product(monomials.leaves(monomial), node, &shared.domain.weight(node));
-        if node.level() > KEPT_LEVELS {
-            return compute();
+        if self.kept.len() >= MAX_KEPT {
+            self.kept.clear();
         }
-        if self.kept.len() <= monomial.index() {
-            self.kept.resize(monomial.index() + 1, Vec::new());
-        }
-        let nodes = &mut self.kept[monomial.index()];
-        if nodes.is_empty() {
-            nodes.resize(node_count(KEPT_LEVELS), None);
-        }
-        *nodes[node.position()].get_or_insert_with(compute)
+        #[allow(clippy::cast_possible_truncation, reason = "below 2¹³")]
+        let place = node.position() as u32;
+        *self.kept.entry((monomial.number(), place)).or_insert_with(compute)
     }
 }
 
@@ -155,7 +154,7 @@ impl<'a> Intervals<'a> {
             pieces: vec![Piece::default(); MAX_PIECES],
             ops: Vec::new(),
             products: Products::default(),
-            recorded: Vec::new(),
+            recorded: HashMap::default(),
         }
     }
 
@@ -163,13 +162,14 @@ impl<'a> Intervals<'a> {
     ///
     /// What is recorded doesn't depend on the pixels met before, so that colours don't depend on the order of pixels.
     fn scaled(&mut self, monomials: &Monomials, monomial: Monomial, scale: f64) -> Option<Colour> {
-        if self.recorded.len() <= monomial.index() {
-            self.recorded.resize(monomial.index() + 1, None);
+        if !self.recorded.contains_key(&monomial) {
+            if self.recorded.len() >= MAX_RECORDED {
+                self.recorded.clear();
+            }
+            let recorded = self.record(monomials, monomial);
+            self.recorded.insert(monomial, recorded);
         }
-        if self.recorded[monomial.index()].is_none() {
-            self.recorded[monomial.index()] = Some(self.record(monomials, monomial));
-        }
-        let recorded = self.recorded[monomial.index()].as_ref().filter(|r| scale <= r.largest)?;
+        let recorded = self.recorded.get(&monomial).filter(|r| scale <= r.largest)?;
         let subdivision = Subdivision::from_stages(&recorded.stages, self.shared.white, recorded.status);
         let found = subdivision.at_scale(scale);
         Some(Colour {
@@ -186,8 +186,7 @@ impl<'a> Intervals<'a> {
         let [_, luminance, _] = root.tristimulus(&shared.domain.weight(Node::ROOT));
         let largest = BRIGHTEST * shared.white[1] / luminance.abs().max(f64::MIN_POSITIVE);
         let mut stages = vec![Stage::default(); MAX_PIECES];
-        let terms = [(monomial, 1.0)];
-        let mut sources = Terms { shared, monomials, terms: &terms, products: &mut self.products };
+        let mut sources = Single { shared, monomials, monomial, products: &mut self.products };
         let ops = [Op::Deferred(0)];
         self.stack.resize(1, Interval::zero());
         let (count, status) = Program::new(&ops)
@@ -207,6 +206,7 @@ impl<'a> Intervals<'a> {
             })
             .map_or((0, Status::DepthExhausted), |s| (s.stages().len(), s.status()));
         stages.truncate(count);
+        stages.shrink_to_fit();
         Recorded { stages, status, largest }
     }
 
@@ -221,7 +221,8 @@ impl<'a> Intervals<'a> {
                 self.ops.push(Op::Sum);
             }
         }
-        let Ok(program) = Program::new(&self.ops) else { return Colour::default() };
+        // A weight that is not finite, of a light too bright for numbers: nothing is known.
+        let Ok(program) = Program::new(&self.ops) else { return UNKNOWN };
         self.stack.resize(program.stack_size(), Interval::zero());
         let target = Target { mode: shared.settings.mode, threshold: shared.settings.threshold, white: shared.white };
         let mut sources = Pixel { shared, radiance, tracer, products: &mut self.products, traced: HashMap::new() };
@@ -253,21 +254,20 @@ impl Resolver for Intervals<'_> {
     }
 }
 
-/// A sum of products without deferred light, as the sources of a program: the n-th spectrum is the n-th product.
-struct Terms<'p, 'a> {
+/// One product as the source of a program.
+struct Single<'p, 'a> {
     shared: &'a SharedIntervals<'a>,
     monomials: &'p Monomials,
-    terms: &'p [(Monomial, f64)],
+    monomial: Monomial,
     products: &'p mut Products,
 }
 
-impl Sources<f64> for Terms<'_, '_> {
+impl Sources<f64> for Single<'_, '_> {
     fn leaf(&self, _: u32, _: Node) -> Option<&Interval<f64>> {
         None
     }
-    fn deferred(&mut self, id: u32, node: Node) -> Option<Interval<f64>> {
-        let (monomial, _) = self.terms.get(id as usize)?;
-        Some(self.products.get(self.shared, self.monomials, *monomial, node))
+    fn deferred(&mut self, _: u32, node: Node) -> Option<Interval<f64>> {
+        Some(self.products.get(self.shared, self.monomials, self.monomial, node))
     }
 }
 

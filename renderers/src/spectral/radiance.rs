@@ -28,6 +28,9 @@ impl Hasher for PairHasher {
     }
 }
 
+/// Builds [`PairHasher`]s.
+pub(crate) type PairBuild = BuildHasherDefault<PairHasher>;
+
 /// A product of leaves, by its number among [`Monomials`]; the default is the empty product, 1.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct Monomial(u32);
@@ -37,13 +40,18 @@ impl Monomial {
     pub const fn index(self) -> usize {
         self.0 as usize
     }
+
+    /// The same, for keys of hash tables.
+    pub(crate) const fn number(self) -> u32 {
+        self.0
+    }
 }
 
 /// All products met so far: each gets one number however its factors are ordered.
 #[derive(Clone, Debug)]
 pub struct Monomials {
     factors: Vec<Vec<u32>>,
-    products: HashMap<(u32, u32), u32, BuildHasherDefault<PairHasher>>,
+    products: HashMap<(u32, u32), u32, PairBuild>,
     numbers: HashMap<Vec<u32>, u32>,
 }
 
@@ -54,6 +62,12 @@ impl Default for Monomials {
 }
 
 impl Monomials {
+    /// How many products have been met, the empty one included.
+    #[allow(clippy::len_without_is_empty, reason = "the empty product is always there")]
+    pub fn len(&self) -> usize {
+        self.factors.len()
+    }
+
     /// The product of a monomial and a leaf.
     pub fn times_leaf(&mut self, monomial: Monomial, leaf: u32) -> Monomial {
         if let Some(known) = self.products.get(&(monomial.0, leaf)) {
@@ -130,11 +144,5 @@ impl Radiance {
         if weight != 0.0 {
             self.deferred.push((deferred, monomial, weight));
         }
-    }
-
-    /// Empties the sum, keeping its memory.
-    pub fn clear(&mut self) {
-        self.terms.clear();
-        self.deferred.clear();
     }
 }

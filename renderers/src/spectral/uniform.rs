@@ -23,8 +23,11 @@ impl UniformBins {
     /// Averages the spectra of a palette over `count` bins, at least one.
     ///
     /// # Errors
-    /// A text that says what is wrong with which leaf.
+    /// A text that says what is wrong with which leaf, or that there is no bin.
     pub fn new(palette: &Palette, count: usize) -> Result<Self, String> {
+        if count == 0 {
+            return Err("a spectrum needs at least one bin".to_owned());
+        }
         let observer = Observer::cie_1931_2deg();
         let unit = spectral_core::spectrum::Constant::new(1.0).map_err(|e| e.to_string())?;
         let mut weights = [const { Vec::new() }; 3];

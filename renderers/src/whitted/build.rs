@@ -30,10 +30,7 @@ impl Whitted {
             lights: Vec::new(),
             ambient: Vec::new(),
             cells: None,
-            settings: match scene.integrator {
-                Integrator::Whitted { max_depth } => Settings { max_depth },
-                _ => Settings::default(),
-            },
+            settings: settings(scene.integrator)?,
         };
         for emitter in &scene.emitters {
             result.add_light(scene, emitter, palette)?;
@@ -68,6 +65,20 @@ impl Whitted {
             }
         }
         Ok(())
+    }
+}
+
+/// A path of Mitsuba's `max_depth` has up to two segments less of reflections and refractions: the first comes from the eye, the last
+/// from a light.
+fn settings(integrator: Integrator) -> Result<Settings, RenderError> {
+    const MOST: u32 = 256;
+    match integrator {
+        Integrator::Whitted { max_depth } => Ok(Settings { max_depth }),
+        Integrator::Path { max_depth: Some(0 | 1), .. } => Err(RenderError::new(
+            "the Whitted renderer can't leave out direct light: the max_depth of a path must be 2 or more",
+        )),
+        Integrator::Path { max_depth: Some(depth), .. } => Ok(Settings { max_depth: (depth - 2).min(MOST) }),
+        _ => Ok(Settings::default()),
     }
 }
 

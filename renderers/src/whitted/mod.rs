@@ -6,8 +6,8 @@
 //! for (the paper's *scattered gathering*). Scenes without dispersion never pay for that.
 //!
 //! Approximations: light that reaches a diffuse surface by way of mirrors or glass is not found (caustics), and light between diffuse
-//! surfaces is the scene's ambient term. Paths end after [`max_depth`](Settings::max_depth) reflections and refractions, or when they count for
-//! less than 10⁻⁴.
+//! surfaces is the scene's ambient term. Paths end after [`max_depth`](Settings::max_depth) reflections and refractions, or when the light that
+//! comes back can count for less than 10⁻⁴ before the reflectances of mirrors.
 
 mod build;
 mod cells;
@@ -45,6 +45,9 @@ impl core::fmt::Display for RenderError {
 
 impl core::error::Error for RenderError {}
 
+/// The longest chain of reflections and refractions where the scene says nothing.
+pub const DEFAULT_MAX_DEPTH: u32 = 8;
+
 /// How far paths are followed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Settings {
@@ -54,7 +57,7 @@ pub struct Settings {
 
 impl Default for Settings {
     fn default() -> Self {
-        Self { max_depth: 10 }
+        Self { max_depth: DEFAULT_MAX_DEPTH }
     }
 }
 
@@ -124,6 +127,12 @@ impl<'s> Worker<'s> {
     /// How many rays this worker has traced, shadow rays not counted.
     pub const fn rays(&self) -> u64 {
         self.rays
+    }
+
+    /// Forgets all products: numbers of monomials that were given out before mean nothing any more.
+    pub fn forget(&mut self) {
+        self.monomials = Monomials::default();
+        self.deferred.clear();
     }
 
     /// Forgets the deferred light of the last pixel.
