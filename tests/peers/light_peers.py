@@ -6,7 +6,8 @@
 Installs both peers into a virtual environment (first run only) and prints, lamp by lamp, how far their colour temperature,
 Duv, R_a and special indices are from those of `spectral light`: as the packages come, and, for colour-science, brought to
 the convention of `spectral light`: sums over 380-780 nm at 5 nm for the light, the samples and the Planckian locus, a
-finely searched colour temperature, and factors M1, M2 of daylight that are not rounded. Not part of the test suite.
+finely searched colour temperature, and factors M1, M2 of daylight that are not rounded; for luxpy without its rounding of
+chromaticities to four decimals and of special indices to whole numbers before their mean. Not part of the test suite.
 """
 
 import argparse
@@ -76,23 +77,27 @@ class Colour:
 
 
 class Luxpy:
-    """luxpy as it comes."""
+    """luxpy as it comes, or without its rounding."""
 
-    def __init__(self):
+    def __init__(self, rounded):
         import luxpy
         import numpy
 
-        self.luxpy, self.numpy = luxpy, numpy
+        self.luxpy, self.numpy, self.rounded = luxpy, numpy, rounded
 
     def measure(self, powers):
         luxpy, numpy = self.luxpy, self.numpy
         spd = numpy.array([list(powers), list(powers.values())], dtype=float)
         xyz = luxpy.spd_to_xyz(spd, cieobs="1931_2")
         cct, duv = luxpy.xyz_to_cct(xyz, cieobs="1931_2", out="cct,duv", mode="ohno2014")
-        ra, ri = luxpy.cri.spd_to_cri(spd, cri_type="ciera", out="Rf,Rfi")
-        special = luxpy.cri.spd_to_cri(spd, cri_type="ciera-14", out="Rfi")
+        for kind in ("ciera", "ciera-14"):
+            luxpy.cri._CRI_DEFAULTS[kind]["cri_specific_pars"]["round_xy_to"] = 4 if self.rounded else None
+        ra = luxpy.cri.spd_to_cri(spd, cri_type="ciera", out="Rf")
+        special = numpy.ravel(luxpy.cri.spd_to_cri(spd, cri_type="ciera-14", out="Rfi"))
+        if not self.rounded:
+            ra = numpy.mean(special[:8])
         scalar = lambda value: float(numpy.ravel(value)[0])
-        return scalar(cct), scalar(duv), scalar(ra), [float(r) for r in numpy.ravel(special)]
+        return scalar(cct), scalar(duv), scalar(ra), [float(r) for r in special]
 
 
 def differences(ours, theirs):
@@ -102,7 +107,7 @@ def differences(ours, theirs):
 
 
 def compare(spectral):
-    peers = {"colour-science": Colour(False), "the same, 5 nm": Colour(True), "luxpy": Luxpy()}
+    peers = {"colour-science": Colour(False), "the same, 5 nm": Colour(True), "luxpy": Luxpy(True), "luxpy, not rounded": Luxpy(False)}
     print("differences to spectral light: CCT (K), Duv (1e-5), R_a, largest of R_1-R_14 (which)")
     print(f"{'lamp':9}{'CCT':>8}{'R_a':>8}" + "".join(f" | {name:^36}" for name in peers))
     worst = {name: [0.0] * 4 for name in peers}

@@ -1,4 +1,5 @@
 //! Action spectra: projections on the colour-matching functions, RGB coefficients, their errors, α-opic quantities.
+#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "helpers of tests")]
 
 use spectral_core::action::{
     ActionMeasures, ActionSpectra, CIRCADIAN_XYZ, PHOTOSYNTHESIS_XYZ, Projection, RADIANCE_RGB_TO_XYZ, Weighting,

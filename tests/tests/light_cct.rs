@@ -1,4 +1,11 @@
 //! Correlated colour temperature against a brute-force search over the Planckian locus.
+#![allow(
+    clippy::unwrap_used,
+    clippy::print_stdout,
+    clippy::cast_precision_loss,
+    clippy::cast_possible_truncation,
+    reason = "helpers of tests"
+)]
 
 use spectral_core::Real;
 use spectral_core::cct::{CctStatus, DUV_LIMIT, LocusTable, PlanckianLocus, correlated_colour_temperature, xyz_to_uv};

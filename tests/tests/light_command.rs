@@ -1,4 +1,5 @@
 //! `spectral light`: what it answers, and the files that it refuses.
+#![allow(clippy::unwrap_used, clippy::cast_sign_loss, clippy::cast_possible_truncation, reason = "helpers of tests")]
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};

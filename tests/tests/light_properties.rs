@@ -1,4 +1,10 @@
 //! Properties of the measures of a light, for random lights: smooth, peaked, with lines.
+#![allow(
+    clippy::unwrap_used,
+    clippy::cast_precision_loss,
+    clippy::cast_possible_truncation,
+    reason = "helpers of tests"
+)]
 
 use proptest::prelude::*;
 use proptest::test_runner::{Config, RngSeed};
@@ -59,7 +65,7 @@ proptest! {
         let (chromaticity, indices) = meter.munsell(&light).unwrap();
         prop_assert_eq!(bits(&chromaticity), bits(&single.chromaticity));
         prop_assert_eq!(bits(&indices), bits(&single.rendering.map(|r| [r.ra, r.cri00_munsell])));
-        let general = Box::new(IndexMeter::new(GRID, CONSTANT)).measure(&light).unwrap();
+        let general = IndexMeter::new(GRID, CONSTANT).measure(&light).unwrap();
         prop_assert_eq!(bits(&general.chromaticity), bits(&single.chromaticity));
         prop_assert_eq!(general.ra, single.rendering.map(|r| r.ra.general));
         prop_assert_eq!(general.cri00, single.rendering.map(|r| r.cri00_munsell.general));
@@ -139,9 +145,8 @@ proptest! {
         prop_assert!(ratio(double.action.alpha_opic.melanopic_der(), single.action.alpha_opic.melanopic_der()));
         if let (Some(a), Some(b)) = (&double.rendering, &single.rendering) {
             let tolerances = tolerances(&a.ra);
-            for i in 0..14 {
-                let (x, y) = (a.ra.special[i], f64::from(b.ra.special[i]));
-                prop_assert!((x - y).abs() <= tolerances[i], "R{}: {} {} {}", i + 1, x, y, tolerances[i]);
+            for ((x, y), tolerance) in a.ra.special.iter().zip(b.ra.special).zip(tolerances) {
+                prop_assert!((x - f64::from(y)).abs() <= tolerance, "{x} {y} {tolerance}");
             }
         }
     }
@@ -160,9 +165,9 @@ fn tolerances(found: &Rendering<f64, 14>) -> [f64; 14] {
                 let mut pair = [found.test, found.reference];
                 let off = |xyz: &mut [f64; 3]| xyz[channel] *= 1.0 + SUM_ERROR;
                 if target == 0 {
-                    off(&mut pair[light].white)
+                    off(&mut pair[light].white);
                 } else {
-                    pair[light].samples.iter_mut().for_each(off)
+                    pair[light].samples.iter_mut().for_each(off);
                 }
                 let index = cie_13_3(&pair[0], &pair[1]);
                 for (moved, (a, b)) in moved.iter_mut().zip(index.special.iter().zip(found.special)) {

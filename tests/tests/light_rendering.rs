@@ -1,4 +1,5 @@
 //! Colour rendering: reference lights rate 100, bad lights are refused or rated, special cases.
+#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "helpers of tests")]
 
 use spectral_core::Real;
 use spectral_core::cct::CctStatus;

@@ -10,7 +10,7 @@
 //! | [`cri00`]: CRI00 | either | by CCT | linear Bradford | CIELAB | ΔE00 |
 //! | [`fidelity`]: R_f, R_g | 99 CES | by CCT, blended | CIECAM02 | CAM02-UCS | Euclidean |
 //!
-//! Everything works on tristimulus values ([`Illuminated`](crate::summation::Illuminated)), so that any set of samples
+//! Everything works on tristimulus values ([`Illuminated`]), so that any set of samples
 //! serves. Each result keeps its stages, so that a deviation can be traced.
 
 mod cam02;

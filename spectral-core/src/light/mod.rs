@@ -3,7 +3,7 @@
 //!
 //! [`measure`] needs no memory beyond its result and forms every product as it goes: for one light, or a lamp's own
 //! microcontroller. A [`LightMeter`] precomputes the products of samples, observer and action spectra and the Planckian
-//! locus (56 KB in `f64`, half of it in `f32`): for every pixel of a picture. An [`IndexMeter`] does the
+//! locus (70 KB in `f64`, half of it in `f32`): for every pixel of a picture. An [`IndexMeter`] does the
 //! same for colour temperature, R_a and CRI00 alone. All give the same bits.
 //!
 //! **Grid.** A light is `N` samples on a [`SumGrid`], used as they are: sums over 380–780 nm at 5 nm for the tables of the
