@@ -5,5 +5,6 @@ extern crate alloc;
 pub mod certify;
 pub mod dense;
 pub mod generators;
+pub mod program;
 pub mod statistics;
 pub mod tables;

@@ -7,15 +7,10 @@ use std::process::{Command, Output};
 use renderers::light::{LightReport, parse_csv, parse_spdx, report};
 use serde_json::Value;
 use spectral_core::tables::{find_light, lights};
+use spectral_tests::program;
 
-/// The program, which is built beside the tests when the whole workspace is.
-fn spectral(arguments: &[&str]) -> Option<Output> {
-    let binary = Path::new(env!("CARGO_TARGET_TMPDIR")).parent()?.join(profile()).join("spectral");
-    binary.exists().then(|| Command::new(binary).args(arguments).output().unwrap())
-}
-
-fn profile() -> &'static str {
-    if cfg!(debug_assertions) { "debug" } else { "release" }
+fn spectral(arguments: &[&str]) -> Output {
+    Command::new(program::spectral(env!("CARGO_TARGET_TMPDIR"))).args(arguments).output().unwrap()
 }
 
 fn folder(name: &str) -> PathBuf {
@@ -181,22 +176,19 @@ fn every_built_in_light_has_a_report_with_all_keys() {
 
 #[test]
 fn the_program_answers_and_refuses() {
-    let Some(output) = spectral(&["light", "FL2", "--json"]) else {
-        assert!(std::env::var_os("SPECTRAL_NEEDS_BINARY").is_none(), "the program isn't built");
-        return;
-    };
+    let output = spectral(&["light", "FL2", "--json"]);
     assert!(output.status.success());
     let json: Value = serde_json::from_slice(&output.stdout).unwrap();
     assert!((json["ra"].as_f64().unwrap() - 64.158).abs() <= 5e-4);
     assert_eq!(json["r"].as_array().unwrap().len(), 14);
     assert_eq!(json["cri00_colorchecker_i"].as_array().unwrap().len(), 10);
 
-    let list = spectral(&["light", "--list"]).unwrap();
+    let list = spectral(&["light", "--list"]);
     assert!(String::from_utf8(list.stdout).unwrap().contains("FL3.15"));
 
     let folder = folder("program");
     let (sheet, bad) = (folder.join("fl11.png"), folder.join("bad.csv"));
-    let drawn = spectral(&["light", "FL11", "--plot", sheet.to_str().unwrap()]).unwrap();
+    let drawn = spectral(&["light", "FL11", "--plot", sheet.to_str().unwrap()]);
     assert!(drawn.status.success());
     assert!(std::fs::read(&sheet).unwrap().starts_with(b"\x89PNG"));
 
@@ -208,7 +200,7 @@ fn the_program_answers_and_refuses() {
         (vec!["light"], "required"),
         (vec!["light", folder.to_str().unwrap()], "directory"),
     ] {
-        let output = spectral(&arguments).unwrap();
+        let output = spectral(&arguments);
         let message = String::from_utf8(output.stderr).unwrap();
         assert_eq!(output.status.code(), Some(2), "{arguments:?}: {message}");
         assert!(message.contains(part), "{message}");

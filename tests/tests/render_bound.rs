@@ -146,3 +146,14 @@ fn with_dispersion_the_bound_is_an_estimate() {
         assert!(deferred > 100 && f64::from(off) <= 0.05 * f64::from(deferred), "{threshold}: {off} of {deferred}");
     }
 }
+
+/// Iehl and Péroche split 80 % of the Cornell box's pixels into 6 or 7 intervals at a threshold of 3 (their figure 8).
+#[test]
+fn four_certified_intervals_serve_four_pixels_of_five_under_d65() {
+    for name in ["cornell-box", "cornell-box-paper"] {
+        let found = by_intervals(name, SAMPLES, Mode::Certified, 3.0);
+        let few = found.intervals.pixels().iter().filter(|count| **count <= 4.0).count();
+        assert!(10 * few >= 8 * found.intervals.pixels().len(), "{name}: {few}");
+        assert!(largest(&bounds(&found)) <= 3.0, "{name}");
+    }
+}
