@@ -5,6 +5,9 @@
 //! [deferred](crate::spectral::Deferred): its reflected part is traced at once, its refracted part when a wavelength is asked
 //! for (the paper's *scattered gathering*). Scenes without dispersion never pay for that.
 //!
+//! Of a scene's integrator only the depth counts: mirrors and glass are followed for `direct`, too, and `rr_depth` has no effect, since no
+//! path is ended at random.
+//!
 //! Approximations: light that reaches a diffuse surface by way of mirrors or glass is not found (caustics), and light between diffuse
 //! surfaces is the scene's ambient term. Paths end after [`max_depth`](Settings::max_depth) reflections and refractions, or when the light that
 //! comes back can count for less than 10⁻⁴ before the reflectances of mirrors.
@@ -243,14 +246,14 @@ impl<'s> Worker<'s> {
         let least = if glossy > 0.0 { glossy_level(roughness) } else { 0 };
         let coloured = self.times(path, reflectance);
         for (number, light) in scene.lights.iter().enumerate() {
-            let (mut with, mut without) = (0.0, 0.0);
+            let (mut coloured_share, mut white_share) = (0.0, 0.0);
             self.illuminate(number, &receiver, least, |part| {
                 let (geometric, fresnel) = schlick_terms(model, &receiver, view, tangent, &part);
-                with += part.irradiance * geometric * (1.0 - fresnel);
-                without += part.irradiance * geometric * fresnel;
+                coloured_share += part.irradiance * geometric * (1.0 - fresnel);
+                white_share += part.irradiance * geometric * fresnel;
             });
-            self.add(Path { weight: coloured.weight * with, ..coloured }, light.factor(), radiance);
-            self.add(Path { weight: path.weight * without, ..path }, light.factor(), radiance);
+            self.add(Path { weight: coloured.weight * coloured_share, ..coloured }, light.factor(), radiance);
+            self.add(Path { weight: path.weight * white_share, ..path }, light.factor(), radiance);
         }
         for ambient in &scene.ambient {
             self.add(Path { weight: coloured.weight * (1.0 - specular), ..coloured }, *ambient, radiance);
