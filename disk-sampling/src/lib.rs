@@ -4,8 +4,11 @@
 //! square to the disk ([`square_to_disk`]). Adaptive subdivision of disks and the closed forms of disks and spheres are to come.
 #![no_std]
 
+mod configuration_factor;
 mod map;
-mod polygon;
+mod shape;
+mod vector;
 
+pub use configuration_factor::polygon_configuration_factor;
 pub use map::{disk_to_square, square_to_disk};
-pub use polygon::polygon_configuration_factor;
+pub use shape::{Disk, Receiver, ShapeError, Sphere};

@@ -2,7 +2,7 @@
 
 use spectral_core::Real;
 
-type Vector<R> = [R; 3];
+use crate::vector::{Vector, cross, dot, length, subtract};
 
 /// The configuration factor from a surface element at `point` with unit normal `normal` to a planar convex polygon, clipped
 /// at the element's horizon: irradiance over π times radiance, for a polygon that sends out the same radiance everywhere
@@ -56,22 +56,6 @@ fn edge<R: Real>(a: Vector<R>, b: Vector<R>, normal: Vector<R>) -> R {
         return R::ZERO;
     }
     sine.atan2(dot(a, b)) * dot(across, normal) / sine
-}
-
-fn subtract<R: Real>(a: Vector<R>, b: Vector<R>) -> Vector<R> {
-    core::array::from_fn(|i| a[i] - b[i])
-}
-
-fn dot<R: Real>(a: Vector<R>, b: Vector<R>) -> R {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-fn cross<R: Real>(a: Vector<R>, b: Vector<R>) -> Vector<R> {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-}
-
-fn length<R: Real>(a: Vector<R>) -> R {
-    dot(a, a).sqrt()
 }
 
 #[cfg(test)]
