@@ -6,6 +6,7 @@
 #![no_std]
 
 mod configuration_factor;
+pub mod estimate;
 mod map;
 pub mod partition;
 mod shape;
