@@ -9,6 +9,8 @@ mod map;
 mod shape;
 mod vector;
 
-pub use configuration_factor::polygon_configuration_factor;
+pub use configuration_factor::{
+    disk_configuration_factor, disk_irradiance_vector, polygon_configuration_factor, sphere_configuration_factor,
+};
 pub use map::{disk_to_square, square_to_disk};
 pub use shape::{Disk, Receiver, ShapeError, Sphere};
