@@ -2,7 +2,8 @@
 //!
 //! - [`partition`]: subdivision of a disk into subsources by four methods, uniform or by size over distance.
 //! - Continuous maps with densities and inverses: [`square_to_disk`] and its relatives.
-//! - Configuration factors in closed form: [`polygon_configuration_factor`].
+//! - [`estimate`]: illuminance with any emission and visibility, by few samples, to a requested relative error.
+//! - Configuration factors in closed form: [`disk_configuration_factor`], [`sphere_configuration_factor`], [`polygon_configuration_factor`].
 #![no_std]
 
 mod configuration_factor;
@@ -12,7 +13,9 @@ pub mod partition;
 mod shape;
 mod vector;
 
-pub use configuration_factor::polygon_configuration_factor;
+pub use configuration_factor::{
+    disk_configuration_factor, disk_irradiance_vector, polygon_configuration_factor, sphere_configuration_factor,
+};
 pub use map::{
     disk_to_hexagon, disk_to_square, disk_to_square_elliptical, disk_to_square_polar, hexagon_to_disk,
     hexagon_to_disk_pdf, square_to_disk, square_to_disk_elliptical, square_to_disk_elliptical_pdf, square_to_disk_pdf,
