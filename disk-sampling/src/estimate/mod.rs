@@ -33,12 +33,19 @@ pub struct Aim<R> {
 }
 
 /// What a point of the disk sends to the receiver.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Response<R> {
     /// Radiance towards the receiver as if nothing were in the way, relative to the caller's unit; not negative.
     pub emission: R,
     /// The share that arrives, 0 to 1.
     pub visibility: R,
+}
+
+impl<R: Real> Response<R> {
+    /// Light that nothing is in the way of.
+    pub const fn unoccluded(emission: R) -> Self {
+        Self { emission, visibility: R::ONE }
+    }
 }
 
 /// What is asked for.

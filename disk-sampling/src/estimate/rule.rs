@@ -1,132 +1,294 @@
-//! Quadrature rules: Gauss–Kronrod on [−1, 1], and the three-point Gauss rule of a measure that is known at points.
+//! Nested quadrature on [−1, 1]: Gauss's rule of 3 points within Kronrod's of 7 within Patterson's of 15.
 
 use spectral_core::Real;
 
-/// Points of the inner rule, the Kronrod rule of 15 points.
-pub(super) const POINTS: usize = 15;
+/// The finest level.
+pub(super) const FINEST: usize = 2;
 
-/// Kronrod's nodes on [−1, 1] from the outermost to the middle, his weights, and the weights of Gauss's rule on every second node
-/// (Piessens et al., QUADPACK, 1983).
-const KRONROD: [(f64, f64, f64); 8] = [
-    (0.991_455_371_120_812_6, 0.022_935_322_010_529_224, 0.0),
-    (0.949_107_912_342_758_5, 0.063_092_092_629_978_55, 0.129_484_966_168_869_7),
-    (0.864_864_423_359_769_1, 0.104_790_010_322_250_18, 0.0),
-    (0.741_531_185_599_394_4, 0.140_653_259_715_525_92, 0.279_705_391_489_276_64),
-    (0.586_087_235_467_691_1, 0.169_004_726_639_267_9, 0.0),
-    (0.405_845_151_377_397_2, 0.190_350_578_064_785_4, 0.381_830_050_505_118_93),
-    (0.207_784_955_007_898_47, 0.204_432_940_075_298_9, 0.0),
-    (0.0, 0.209_482_141_084_727_82, 0.417_959_183_673_469_4),
+/// How many nodes there are up to each level. Nodes are numbered in the order in which levels add them.
+const COUNT: [usize; 3] = [3, 7, 15];
+
+/// Each node not right of the middle with its weights at the three levels, in the order in which levels add them (Patterson 1968, "The optimum addition
+/// of points to quadrature formulae"): exact for polynomials of degree 5, 11 and 23.
+const NODES: [(f64, [f64; 3]); 8] = [
+    (0.0, [8.0 / 9.0, 0.450_916_538_658_474_14, 0.225_510_499_798_206_69]),
+    (-0.774_596_669_241_483_4, [5.0 / 9.0, 0.268_488_089_868_333_45, 0.134_415_255_243_784_22]),
+    (-0.960_491_268_708_020_3, [0.0, 0.104_656_226_026_467_27, 0.051_603_282_997_079_74]),
+    (-0.434_243_749_346_802_57, [0.0, 0.401_397_414_775_962_2, 0.200_628_529_376_989_02]),
+    (-0.993_831_963_212_755, [0.0, 0.0, 0.017_001_719_629_940_26]),
+    (-0.888_459_232_872_257, [0.0, 0.0, 0.092_927_195_315_124_54]),
+    (-0.621_102_946_737_226_4, [0.0, 0.0, 0.171_511_909_136_391_38]),
+    (-0.223_386_686_428_966_9, [0.0, 0.0, 0.219_156_858_401_587_5]),
 ];
 
-/// Node, Kronrod's weight and Gauss's weight number `index` of 15, from left to right.
-pub(super) fn kronrod<R: Real>(index: usize) -> (R, R, R) {
-    let mirrored = if index < 8 { index } else { POINTS - 1 - index };
-    let (node, weight, gauss) = KRONROD.get(mirrored).copied().unwrap_or_default();
-    let node = if index < 8 { -node } else { node };
-    (R::from_f64(node), R::from_f64(weight), R::from_f64(gauss))
+/// The numbers of the nodes that a level adds. The first level's are the left one, the middle and the right one.
+pub(super) fn added(level: usize) -> core::ops::Range<usize> {
+    let count = |level: usize| COUNT.get(level).copied().unwrap_or_default();
+    level.checked_sub(1).map_or(0, count)..count(level)
 }
 
-/// Gauss–Legendre's five points on [−1, 1], node and weight (Abramowitz & Stegun, table 25.4).
-pub(super) const GAUSS_5: [(f64, f64); 5] = [
-    (-0.906_179_845_938_664, 0.236_926_885_056_189_08),
-    (-0.538_469_310_105_683, 0.478_628_670_499_366_47),
-    (0.0, 0.568_888_888_888_888_9),
-    (0.538_469_310_105_683, 0.478_628_670_499_366_47),
-    (0.906_179_845_938_664, 0.236_926_885_056_189_08),
-];
-
-/// The Gauss rule of three points of a positive measure on [−1, 1]: exact for polynomials of degree 5 times the measure.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Gauss3<R> {
-    /// In ascending order.
-    pub(super) nodes: [R; 3],
-    /// They sum to 1.
-    pub(super) weights: [R; 3],
-    /// The orthonormal polynomials of degree 1 and 2 at the nodes.
-    linear: [R; 3],
-    quadratic: [R; 3],
+/// A node by its number, and its weights at the three levels.
+pub(super) fn node<R: Real>(number: usize) -> (R, [R; 3]) {
+    let weights = NODES.get(row(number)).map_or([0.0; 3], |node| node.1);
+    (R::from_f64(place(number)), weights.map(R::from_f64))
 }
 
-/// The mean of three values by the rule, and how far it may be off.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Mean<R> {
-    pub(super) value: R,
-    pub(super) error: R,
+/// Where a node is; 0, 1, 2 are left, middle, right, then come pairs.
+const fn place(number: usize) -> f64 {
+    let place = NODES[row(number)].0;
+    if number > 0 && number % 2 == 0 { -place } else { place }
 }
 
-impl<R: Real> Gauss3<R> {
-    /// The rule of a measure given by `N` points (Stieltjes' procedure, then the eigenvalues of the Jacobi matrix); `None` where the measure
-    /// has no more than two points of weight.
-    pub(super) fn of<const N: usize>(points: &[(R, R); N]) -> Option<Self> {
-        let mass = points.iter().fold(R::ZERO, |sum, (_, w)| sum + *w);
-        if !(mass > R::ZERO && mass.is_finite()) {
-            return None;
-        }
-        let mean = |f: &dyn Fn(R) -> R| points.iter().fold(R::ZERO, |sum, (x, w)| sum + *w * f(*x)) / mass;
-        let a0 = mean(&|x| x);
-        let b1 = mean(&|x| (x - a0) * (x - a0));
-        if !(b1 > R::ZERO) {
-            return None;
-        }
-        let p1 = |x: R| x - a0;
-        let a1 = mean(&|x| x * p1(x) * p1(x)) / b1;
-        let p2 = |x: R| (x - a1) * p1(x) - b1;
-        let n2 = mean(&|x| p2(x) * p2(x));
-        if !(n2 > R::EPSILON * R::EPSILON * b1 * b1) {
-            return None;
-        }
-        let b2 = n2 / b1;
-        let a2 = mean(&|x| x * p2(x) * p2(x)) / n2;
-        let nodes = eigenvalues([a0, a1, a2], [b1, b2]);
-        let linear = nodes.map(|x| p1(x) / b1.sqrt());
-        let quadratic = nodes.map(|x| p2(x) / n2.sqrt());
-        let weights = core::array::from_fn(|i| R::ONE / (R::ONE + linear[i] * linear[i] + quadratic[i] * quadratic[i]));
-        let sum = weights[0] + weights[1] + weights[2];
-        let rule = Self { nodes, weights: weights.map(|w: R| w / sum), linear, quadratic };
-        rule.nodes.iter().chain(&rule.weights).all(|x| x.is_finite()).then_some(rule)
+const fn row(number: usize) -> usize {
+    match number {
+        1 => 0,
+        0 | 2 => 1,
+        n if n < NODES_ALL => (n + 1) / 2,
+        _ => 0,
+    }
+}
+
+/// Light as sampled: with visibility, and what it is compared with.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Light<R> {
+    pub(super) lit: R,
+    pub(super) full: R,
+}
+
+impl<R: Real> Light<R> {
+    pub(super) fn add(&mut self, other: Self, weight: R) {
+        self.lit += weight * other.lit;
+        self.full += weight * other.full;
     }
 
-    /// The mean of a function with these values at the nodes.
+    pub(super) fn scaled(self, factor: R) -> Self {
+        Self { lit: self.lit * factor, full: self.full * factor }
+    }
+
+    /// lit − ratio · full, the part that is not proportional.
+    pub(super) fn excess(self, ratio: R) -> R {
+        self.lit - ratio * self.full
+    }
+
+    /// lit / full; 0 where there is no light.
+    pub(super) fn ratio(self) -> R {
+        if self.full > R::ZERO { self.lit / self.full } else { R::ZERO }
+    }
+}
+
+/// The number of nodes of the finest level.
+pub(super) const NODES_ALL: usize = 15;
+
+/// A nested rule for light times a measure whose density is cheap: the density is taken at the nodes of finer levels than light is.
+///
+/// The integral of light is that of the polynomial through its samples times the measure (product integration): exact for polynomials however uneven the
+/// measure is, as far as the finer level integrates it.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Nested<R> {
+    /// The level that light is known to, and the one that the density is known to.
+    pub(super) level: usize,
+    density_level: usize,
+    nodes: [Node<R>; NODES_ALL],
+    /// What follows from the nodes.
+    summary: Summary<R>,
+}
+
+/// What is known at a node.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Node<R> {
+    pub(super) density: R,
+    /// The variable that light is smooth in.
+    pub(super) place: R,
+    /// Two functions that light is likely to vary like.
+    pub(super) guides: [R; 2],
+    light: Light<R>,
+}
+
+impl<R: Real> Node<R> {
+    pub(super) fn new(density: R, place: R, guides: [R; 2]) -> Self {
+        Self { density, place, guides, light: Light::default() }
+    }
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Summary<R> {
+    measure: R,
+    /// Integrals of light: by the middle alone, and by each level up to the present one.
+    integrals: [Light<R>; 4],
+    /// Means of lit², lit · full and full² over the present level's nodes.
+    squares: [R; 3],
+    /// How far the present level is off for the guides, over their variation as the nodes show it.
+    guide_error: R,
+}
+
+impl<R: Real> Nested<R> {
+    /// Adds what is known without light at the nodes of all levels up to one.
+    pub(super) fn measure_to(&mut self, level: usize, mut at: impl FnMut(R) -> Node<R>) {
+        let known = if self.summary.measure > R::ZERO { COUNT.get(self.density_level).copied() } else { None };
+        let count = COUNT.get(level).copied().unwrap_or_default();
+        for (number, slot) in self.nodes.iter_mut().enumerate().take(count).skip(known.unwrap_or_default()) {
+            *slot = at(node::<R>(number).0);
+        }
+        self.density_level = level;
+        self.summary.measure = self.measure_at(level);
+    }
+
+    /// Sets the light of the present level's nodes.
+    pub(super) fn set_light(&mut self, number: usize, light: Light<R>) {
+        if let Some(slot) = self.nodes.get_mut(number) {
+            slot.light = light;
+        }
+    }
+
+    /// Works out what follows from the present level's light; to be called when all of it is set.
+    pub(super) fn summarise(&mut self) {
+        let measure = self.measure_at(self.density_level);
+        let middle = self.nodes.get(1).copied().unwrap_or_default().light.scaled(measure);
+        let mut integrals = [middle; 4];
+        let mut weights = [R::ZERO; NODES_ALL];
+        for (level, integral) in integrals.iter_mut().skip(1).enumerate().take(self.level + 1) {
+            weights = self.weights(level);
+            *integral = Light::default();
+            for (node, weight) in self.nodes.iter().zip(weights) {
+                integral.add(node.light, weight);
+            }
+        }
+        let squares = [
+            self.mean_at_nodes(|node| node.light.lit * node.light.lit),
+            self.mean_at_nodes(|node| node.light.lit * node.light.full),
+            self.mean_at_nodes(|node| node.light.full * node.light.full),
+        ];
+        let own = (self.measure_at(self.level) / measure - R::ONE).abs();
+        let guide_error = own.max(self.guide_error(&weights, 0)).max(self.guide_error(&weights, 1));
+        self.summary = Summary { measure, integrals, squares, guide_error };
+    }
+
+    /// ∫ dμ over the interval's half.
+    pub(super) fn measure(&self) -> R {
+        self.summary.measure
+    }
+
+    /// The same by any level up to that of the density.
+    pub(super) fn measure_at(&self, level: usize) -> R {
+        self.masses(level).fold(R::ZERO, |sum, (mass, _)| sum + mass)
+    }
+
+    /// Weight times density, and the node, for the nodes of a level.
+    fn masses(&self, level: usize) -> impl Iterator<Item = (R, &Node<R>)> {
+        let count = COUNT.get(level).copied().unwrap_or_default();
+        self.nodes.iter().take(count).enumerate().map(move |(number, at)| {
+            let (_, weights) = node::<R>(number);
+            (weights.get(level).copied().unwrap_or_default() * at.density, at)
+        })
+    }
+
+    /// The weights by which light's samples at a level give ∫ light dμ over the interval's half.
+    fn weights(&self, level: usize) -> [R; NODES_ALL] {
+        let mut weights = [R::ZERO; NODES_ALL];
+        let coarse = COUNT.get(level).copied().unwrap_or_default();
+        let basis = self.nodes.get(..coarse).unwrap_or_default();
+        // Each basis polynomial over its value at its own node.
+        let mut own = [R::ONE; NODES_ALL];
+        for (index, (node, product)) in basis.iter().zip(&mut own).enumerate() {
+            for (other, at) in basis.iter().enumerate() {
+                if other != index {
+                    *product *= node.place - at.place;
+                }
+            }
+        }
+        for (number, (mass, at)) in self.masses(self.density_level).enumerate() {
+            if let Some(slot) = weights.get_mut(number).filter(|_| number < coarse) {
+                *slot += mass;
+                continue;
+            }
+            let all = basis.iter().fold(mass, |product, node| product * (at.place - node.place));
+            for ((node, own), slot) in basis.iter().zip(own).zip(&mut weights) {
+                *slot += all / ((at.place - node.place) * own);
+            }
+        }
+        weights
+    }
+
+    /// The mean of something over the present level's nodes, by their own masses.
+    fn mean_at_nodes(&self, of: impl Fn(&Node<R>) -> R) -> R {
+        let (mut sum, mut total) = (R::ZERO, R::ZERO);
+        for (mass, node) in self.masses(self.level) {
+            sum += mass * of(node);
+            total += mass;
+        }
+        if total > R::ZERO { sum / total } else { R::ZERO }
+    }
+
+    /// How far the mean of a guide by these weights is off, over its variation at the present level's nodes.
+    fn guide_error(&self, weights: &[R; NODES_ALL], guide: usize) -> R {
+        let middle = self.nodes.get(1).copied().unwrap_or_default();
+        let value = |node: &Node<R>| {
+            node.guides.get(guide).copied().unwrap_or_default() - middle.guides.get(guide).copied().unwrap_or_default()
+        };
+        let fine = self.masses(self.density_level).fold(R::ZERO, |sum, (mass, node)| sum + mass * value(node));
+        let coarse = self.nodes.iter().zip(weights).fold(R::ZERO, |sum, (node, weight)| sum + *weight * value(node));
+        let mean = self.mean_at_nodes(value);
+        let spread = self.mean_at_nodes(|node| (value(node) - mean) * (value(node) - mean)).max(R::ZERO).sqrt();
+        let error = (coarse - fine).abs() / (self.measure_at(self.density_level) * spread);
+        if spread > R::ZERO && error.is_finite() { error } else { R::ZERO }
+    }
+
+    /// ∫ light dμ over the interval's half.
+    pub(super) fn integral(&self) -> Light<R> {
+        self.integral_before(0)
+    }
+
+    /// The same by the level `steps` below the present one, down to the middle alone.
+    fn integral_before(&self, steps: usize) -> Light<R> {
+        let index = (self.level + 1).saturating_sub(steps);
+        self.summary.integrals.get(index).copied().unwrap_or_default()
+    }
+
+    /// How much the excess of light over `ratio` times the full light varies: root of the mean square, times the measure.
+    fn spread(&self, ratio: R) -> R {
+        let [ll, lf, ff] = self.summary.squares;
+        (ll - R::TWO * ratio * lf + ratio * ratio * ff).max(R::ZERO).sqrt() * self.measure()
+    }
+
+    /// How far the integral's excess over `ratio` times the full light may be off. `mismatch` is how far the measure may be off, relatively.
     ///
-    /// The error is judged by how fast the coefficients in the measure's own orthonormal polynomials fall: the last one known, of degree 2, times
-    /// the square of the rate. The rule's own error begins with degree 6, so that a function with geometric fall is met with room to spare.
-    pub(super) fn mean(&self, values: [R; 3]) -> Mean<R> {
-        let value = self.project(&[R::ONE; 3], values);
-        Mean { value, error: self.deviation(values, value) }
-    }
-
-    fn project(&self, polynomial: &[R; 3], values: [R; 3]) -> R {
-        (0..3).fold(R::ZERO, |sum, i| sum + self.weights[i] * polynomial[i] * values[i])
-    }
-
-    /// The error of the mean of a function with these values, judged as in [`mean`](Self::mean), against a mean of `size`.
-    pub(super) fn deviation(&self, values: [R; 3], size: R) -> R {
-        let (c1, c2) = (self.project(&self.linear, values).abs(), self.project(&self.quadratic, values).abs());
-        let scale = size.abs().max(c1).max(c2);
-        if !(scale > R::ZERO) {
+    /// The last change from level to level, times how fast the changes have fallen. The coarsest level has no earlier change to show for itself: there,
+    /// it is also at least half the square of the relative variation. To that comes the variation of light times how far the rule is off for functions of
+    /// known mean: 1, and the guides.
+    pub(super) fn error(&self, ratio: R, mismatch: R) -> R {
+        let present = self.integral();
+        let size = present.lit.max(ratio * present.full);
+        let spread = self.spread(ratio);
+        // Sums of squares lose half of the digits.
+        let last = self.last_change(ratio);
+        if spread <= R::from_f64(4.0) * R::EPSILON.sqrt() * size && last <= R::from_f64(64.0) * R::EPSILON * size {
             return R::ZERO;
         }
-        let rate = (c1 / scale * (c1 / scale)).max(c2 / scale).min(R::ONE);
-        // Equal values give coefficients of rounding errors.
-        let noise = R::from_f64(8.0) * R::EPSILON * scale;
-        if c2 <= noise { R::ZERO } else { c2 * rate }
+        let error = if self.level == 0 {
+            let relative = (spread / size).min(R::ONE);
+            reduced(last, size).max(R::HALF * spread * relative)
+        } else {
+            let before = self.integral_before(1).excess(ratio) - self.integral_before(2).excess(ratio);
+            reduced(last, before.abs())
+        };
+        error + spread * mismatch.max(self.summary.guide_error)
+    }
+
+    fn last_change(&self, ratio: R) -> R {
+        (self.integral().excess(ratio) - self.integral_before(1).excess(ratio)).abs()
+    }
+
+    /// Whether the changes fall so fast that a finer level is worth more than two halves.
+    pub(super) fn is_smooth(&self, ratio: R) -> bool {
+        if self.level == 0 || self.level == FINEST {
+            return self.level == 0;
+        }
+        let before = (self.integral_before(1).excess(ratio) - self.integral_before(2).excess(ratio)).abs();
+        self.last_change(ratio) <= R::from_f64(0.3) * before.max(R::from_f64(0.1) * self.spread(ratio))
     }
 }
 
-/// The eigenvalues, ascending, of the symmetric tridiagonal matrix with this diagonal and these squares beside it (trigonometric solution of the
-/// cubic; Smith 1961).
-fn eigenvalues<R: Real>(a: [R; 3], b: [R; 2]) -> [R; 3] {
-    let three = R::from_f64(3.0);
-    let mean = (a[0] + a[1] + a[2]) / three;
-    let d = a.map(|x| x - mean);
-    let p = ((d[0] * d[0] + d[1] * d[1] + d[2] * d[2] + R::TWO * (b[0] + b[1])) / R::from_f64(6.0)).sqrt();
-    if !(p > R::ZERO) {
-        return [mean; 3];
-    }
-    let determinant = d[0] * (d[1] * d[2] - b[1]) - b[0] * d[2];
-    let cosine = (determinant / (R::TWO * p * p * p)).clamp(-R::ONE, R::ONE);
-    let angle = cosine.acos() / three;
-    let largest = mean + R::TWO * p * angle.cos();
-    let smallest = mean + R::TWO * p * (angle + R::TWO * R::PI / three).cos();
-    [smallest, three * mean - largest - smallest, largest]
+/// What is left of a change after another one, not less than a tenth of it.
+fn reduced<R: Real>(last: R, before: R) -> R {
+    last * (R::TWO * last / before).clamp(R::from_f64(0.1), R::ONE)
 }

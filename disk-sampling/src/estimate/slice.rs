@@ -1,29 +1,11 @@
-//! One slice: the mean of emission and visibility along a chord, with shadow edges found by bisection.
+//! One slice: the mean light along a chord, with shadow edges found by bisection.
 
 use spectral_core::Real;
 
-use super::rule::{GAUSS_5, Gauss3};
+use super::rule::{FINEST, Light, Nested, Node, added, node};
 use super::slices::{Slice, Slices};
 use super::{Aim, EstimateError, Response};
 use crate::shape::Disk;
-
-/// Values with and without visibility, and how far the former may be off.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Light<R> {
-    pub(super) lit: R,
-    pub(super) full: R,
-    pub(super) error: R,
-}
-
-impl<R: Real> Light<R> {
-    pub(super) const NONE: Self = Self { lit: R::ZERO, full: R::ZERO, error: R::ZERO };
-
-    pub(super) fn add(&mut self, other: Self, weight: R) {
-        self.lit += weight * other.lit;
-        self.full += weight * other.full;
-        self.error += weight * other.error;
-    }
-}
 
 /// The light as the caller's closure gives it.
 pub(super) struct Source<'a, R, F> {
@@ -35,88 +17,128 @@ pub(super) struct Source<'a, R, F> {
     /// The relative error allowed within a slice.
     pub(super) tolerance: R,
     pub(super) strata: usize,
-    /// Whether only the ratio of lit to full matters.
+    /// Whether light is compared with the emission instead of with 1.
     pub(super) is_ratio: bool,
 }
 
-/// The largest number of intervals of a slice that wait.
-const WAITING: usize = 64;
+/// The mean light of a slice, and how far its excess may be off.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Mean<R> {
+    pub(super) light: Light<R>,
+    pub(super) error: R,
+}
+
+/// What is known of the disk as a whole before a slice is sampled.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Known<R> {
+    /// Lit over full; none before the first slice.
+    pub(super) ratio: Option<R>,
+    /// The mean light: darker slices need not be better known than that.
+    pub(super) typical: R,
+}
+
+/// The largest number of parts of a slice.
+const PARTS: usize = 16;
 
 /// Visibilities further apart than this have an edge between them.
 const EDGE: f64 = 0.1;
 
 impl<R: Real, F: FnMut(&Aim<R>) -> Response<R>> Source<'_, R, F> {
     /// Asks for a point of a slice.
-    pub(super) fn ask(&mut self, slice: &Slice<R>, fraction: R) -> Result<Response<R>, EstimateError> {
+    fn ask(&mut self, slice: &Slice<R>, fraction: R) -> Result<Response<R>, EstimateError> {
         let ([across, along], cosine) = slice.sample(fraction);
         let on_disk = self.slices.point(across, along);
-        let aim = Aim { on_disk, point: self.disk.point(on_disk), cosine: slice.cosine(cosine, &self.slices) };
+        let aim = Aim { on_disk, point: self.disk.point(on_disk), cosine: slice.slant * cosine };
         self.samples += 1;
         let response = (self.respond)(&aim);
         let valid = |x: R| x >= R::ZERO && x.is_finite();
         if valid(response.emission) && valid(response.visibility) { Ok(response) } else { Err(EstimateError::Response) }
     }
 
+    fn light(&self, response: &Response<R>) -> Light<R> {
+        let full = if self.is_ratio { response.emission } else { R::ONE };
+        Light { lit: response.emission * response.visibility, full }
+    }
+
     pub(super) const fn is_spent(&self) -> bool {
         self.samples >= self.max_samples
     }
 
-    /// The mean over a slice by its measure cos²ξ dξ.
-    pub(super) fn mean(&mut self, slice: &Slice<R>) -> Result<Light<R>, EstimateError> {
-        let mut waiting = Waiting::over(self.strata);
-        let mut total = Light::NONE;
-        while let Some([from, to]) = waiting.pop() {
-            let share = slice.share(from, to);
-            if !(share > R::ZERO) {
-                continue;
-            }
-            let Some(rule) = interval_rule(slice, from, to) else { continue };
-            let place = |node: R| from + (to - from) * R::HALF * (node + R::ONE);
-            let mut responses = [Response { emission: R::ZERO, visibility: R::ZERO }; 3];
-            for (response, node) in responses.iter_mut().zip(rule.nodes) {
-                *response = self.ask(slice, place(node))?;
-            }
-            let edge = (0..2).find(|i| is_edge(&responses[*i], &responses[i + 1]));
-            let light = self.judge(&rule, &responses);
-            let scale = total.lit + share * light.lit;
-            let allowed = self.tolerance * scale;
-            let can_split = waiting.has_room() && to - from > R::from_f64(64.0) * R::EPSILON && !self.is_spent();
-            if let (Some(i), true) = (edge, can_split) {
-                let bracket = [place(rule.nodes[i]), place(rule.nodes[i + 1])];
-                let (place, error) = self.find_edge(slice, bracket, [responses[i], responses[i + 1]], allowed)?;
-                total.error += error;
-                waiting.push([from, place]);
-                waiting.push([place, to]);
-            } else if light.error * share > allowed * share.max(R::from_f64(0.1)) && can_split {
-                let middle = R::HALF * (from + to);
-                waiting.push([from, middle]);
-                waiting.push([middle, to]);
-            } else {
-                total.add(light, share);
+    /// The mean over a slice by its measure cos²ξ dξ: the part with the largest error gets a finer rule or is divided, at an edge of visibility if
+    /// there is one.
+    pub(super) fn mean(&mut self, slice: &Slice<R>, known: Known<R>) -> Result<Mean<R>, EstimateError> {
+        let mut parts = Parts { parts: [Part::default(); PARTS], count: 0 };
+        let strata = self.strata.min(PARTS / 2);
+        let place = |i: usize| R::from_usize(i) / R::from_usize(strata);
+        for i in 0..strata {
+            let part = self.part(slice, place(i), place(i + 1))?;
+            parts.push(part);
+        }
+        loop {
+            let light = parts.light();
+            let ratio = known.ratio.unwrap_or(light.ratio());
+            let error = parts.error(ratio);
+            let allowed = self.tolerance * light.lit.max(known.typical);
+            if error <= allowed || self.is_spent() || !self.improve(slice, &mut parts, ratio, allowed)? {
+                return Ok(Mean { light, error });
             }
         }
-        Ok(total)
     }
 
-    /// The mean of three responses, and its error as far as it matters.
-    pub(super) fn judge(&self, rule: &Gauss3<R>, responses: &[Response<R>; 3]) -> Light<R> {
-        let lights = responses.map(|r| Light { lit: r.emission * r.visibility, full: r.emission, error: R::ZERO });
-        self.combine(rule, &lights)
-    }
-
-    /// The mean of three lights.
-    pub(super) fn combine(&self, rule: &Gauss3<R>, lights: &[Light<R>; 3]) -> Light<R> {
-        let lit = rule.mean(lights.map(|light| light.lit));
-        let full = rule.mean(lights.map(|light| light.full)).value;
-        let noise = (0..3).fold(R::ZERO, |sum, i| sum + rule.weights[i] * lights[i].error);
-        let error = if self.is_ratio && full > R::ZERO {
-            let ratio = lit.value / full;
-            let rest = lights.map(|light| light.lit - ratio * light.full);
-            rule.deviation(rest, lit.value)
-        } else {
-            lit.error
+    /// Betters the worst part; false where it cannot be.
+    fn improve(&mut self, slice: &Slice<R>, parts: &mut Parts<R>, ratio: R, allowed: R) -> Result<bool, EstimateError> {
+        let has_room = parts.count < PARTS;
+        let Some(worst) = parts.worst(ratio) else { return Ok(false) };
+        if worst.edge.is_none() && worst.rule.is_smooth(ratio) {
+            worst.rule.level += 1;
+            self.sample(slice, worst)?;
+            return Ok(true);
+        }
+        let (from, to, rest) = (worst.from, worst.to, worst.rest);
+        let (place, error) = match worst.edge {
+            Some((bracket, ends)) => self.find_edge(slice, bracket, ends, R::HALF * allowed)?,
+            None => (R::HALF * (from + to), R::ZERO),
         };
-        Light { lit: lit.value, full, error: error + noise }
+        let is_wide = place > from && place < to && to - from > R::from_f64(64.0) * R::EPSILON;
+        if !has_room || !is_wide {
+            return Ok(false);
+        }
+        *worst = self.part(slice, from, place)?;
+        worst.rest = rest + error;
+        let right = self.part(slice, place, to)?;
+        parts.push(right);
+        Ok(true)
+    }
+
+    /// A part of a slice, by fractions of its angle, with the coarsest rule's samples.
+    fn part(&mut self, slice: &Slice<R>, from: R, to: R) -> Result<Part<R>, EstimateError> {
+        let mut part = Part { from, to, share: slice.share(from, to), ..Part::default() };
+        self.sample(slice, &mut part)?;
+        Ok(part)
+    }
+
+    /// Adds the samples of the part's level, and densities at the next one's nodes.
+    fn sample(&mut self, slice: &Slice<R>, part: &mut Part<R>) -> Result<(), EstimateError> {
+        if part.rule.level < FINEST {
+            part.measure(slice, part.rule.level + 1);
+        }
+        let mut before: Option<(R, Response<R>)> = None;
+        for number in added(part.rule.level) {
+            let fraction = part.place(number);
+            let response = self.ask(slice, fraction)?;
+            part.rule.set_light(number, self.light(&response));
+            if part.rule.level > 0 {
+                continue;
+            }
+            if let (Some((place, last)), None) = (before, part.edge)
+                && (last.visibility - response.visibility).abs() > R::from_f64(EDGE)
+            {
+                part.edge = Some(([place, fraction], [last, response]));
+            }
+            before = Some((fraction, response));
+        }
+        part.rule.summarise();
+        Ok(())
     }
 
     /// The place of an edge between two points of a slice, and how much the uncertainty of the place matters.
@@ -144,51 +166,89 @@ impl<R: Real, F: FnMut(&Aim<R>) -> Response<R>> Source<'_, R, F> {
     }
 }
 
-fn is_edge<R: Real>(a: &Response<R>, b: &Response<R>) -> bool {
-    (a.visibility - b.visibility).abs() > R::from_f64(EDGE)
+/// A part of a slice.
+#[derive(Clone, Copy, Debug, Default)]
+struct Part<R> {
+    from: R,
+    to: R,
+    /// Its share of the slice's measure.
+    share: R,
+    rule: Nested<R>,
+    /// Error that stays: what is left of the places of edges.
+    rest: R,
+    /// The first edge of visibility between the coarsest rule's nodes: between which fractions, and what is there.
+    edge: Option<([R; 2], [Response<R>; 2])>,
 }
 
-/// The rule for cos²ξ between two fractions of a slice.
-fn interval_rule<R: Real>(slice: &Slice<R>, from: R, to: R) -> Option<Gauss3<R>> {
-    let points = GAUSS_5.map(|(node, weight)| {
-        let node = R::from_f64(node);
-        let (_, cosine) = slice.sample(from + (to - from) * R::HALF * (node + R::ONE));
-        (node, R::from_f64(weight) * cosine)
-    });
-    Gauss3::of(&points)
+impl<R: Real> Part<R> {
+    fn place(&self, number: usize) -> R {
+        let (node, _) = node::<R>(number);
+        self.from + (self.to - self.from) * R::HALF * (node + R::ONE)
+    }
+
+    /// Takes the densities cos²ξ at the nodes up to a level.
+    fn measure(&mut self, slice: &Slice<R>, level: usize) {
+        let (from, half) = (self.from, R::HALF * (self.to - self.from));
+        self.rule.measure_to(level, |place| {
+            let ([_, along], cosine) = slice.sample(from + half * (place + R::ONE));
+            Node::new(cosine * cosine, place, [cosine, along])
+        });
+    }
+
+    /// The part of the slice's mean, and the error that more samples make smaller.
+    fn mean(&self) -> Light<R> {
+        self.rule.integral().scaled(self.scale())
+    }
+
+    fn error(&self, ratio: R) -> R {
+        self.rule.error(ratio, R::ZERO) * self.scale()
+    }
+
+    fn scale(&self) -> R {
+        let measure = self.rule.measure();
+        if measure > R::ZERO { self.share / measure } else { R::ZERO }
+    }
 }
 
-/// Intervals of a slice yet to be summed.
-struct Waiting<R> {
-    intervals: [[R; 2]; WAITING],
+/// The parts of a slice.
+struct Parts<R> {
+    parts: [Part<R>; PARTS],
     count: usize,
 }
 
-impl<R: Real> Waiting<R> {
-    /// Equal parts of [0, 1], at most half of the room.
-    fn over(strata: usize) -> Self {
-        let strata = strata.clamp(1, WAITING / 2);
-        let mut waiting = Self { intervals: [[R::ZERO; 2]; WAITING], count: 0 };
-        let place = |i: usize| R::from_usize(i) / R::from_usize(strata);
-        for i in (0..strata).rev() {
-            waiting.push([place(i), place(i + 1)]);
+impl<R: Real> Parts<R> {
+    fn used(&self) -> &[Part<R>] {
+        self.parts.get(..self.count).unwrap_or_default()
+    }
+
+    fn light(&self) -> Light<R> {
+        let mut light = Light::default();
+        for part in self.used() {
+            light.add(part.mean(), R::ONE);
         }
-        waiting
+        light
     }
 
-    const fn has_room(&self) -> bool {
-        self.count + 2 <= WAITING
+    fn error(&self, ratio: R) -> R {
+        self.used().iter().fold(R::ZERO, |sum, part| sum + part.error(ratio) + part.rest)
     }
 
-    fn push(&mut self, interval: [R; 2]) {
-        if let Some(slot) = self.intervals.get_mut(self.count) {
-            *slot = interval;
+    fn push(&mut self, part: Part<R>) {
+        if let Some(slot) = self.parts.get_mut(self.count) {
+            *slot = part;
             self.count += 1;
         }
     }
 
-    fn pop(&mut self) -> Option<[R; 2]> {
-        self.count = self.count.checked_sub(1)?;
-        self.intervals.get(self.count).copied()
+    fn worst(&mut self, ratio: R) -> Option<&mut Part<R>> {
+        let used = self.parts.get_mut(..self.count)?;
+        let mut worst: Option<(&mut Part<R>, R)> = None;
+        for part in used {
+            let error = part.error(ratio);
+            if error > worst.as_ref().map_or(R::ZERO, |w| w.1) {
+                worst = Some((part, error));
+            }
+        }
+        worst.map(|(part, _)| part)
     }
 }

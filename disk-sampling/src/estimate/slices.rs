@@ -39,11 +39,14 @@ pub(super) struct Slice<R> {
     half: R,
     /// Its distance from the receiver; the place across from the disk's middle.
     distance: R,
-    across: R,
+    pub(super) across: R,
     /// Distances of its ends.
     reach: [R; 2],
-    /// The angle that it subtends.
+    /// The angle that it subtends, and ∫ cos²ξ dξ over it.
     angle: R,
+    measure: R,
+    /// cosθ′ at the point nearest to the receiver, the height over the distance.
+    pub(super) slant: R,
     /// ∫ cosθ cosθ′/(π d²) over the chord, per unit of χ.
     pub(super) mass: R,
 }
@@ -81,28 +84,30 @@ impl<R: Real> Slices<R> {
     /// The chord at χ in [0, `end`].
     pub(super) fn at(&self, chi: R) -> Slice<R> {
         let (sin, cos) = ((chi * R::HALF).sin(), (chi * R::HALF).cos());
-        let down = self.depth(self.opening * sin * sin, self.top);
-        let (offset, across, chord, cosine) = if cos * cos >= R::HALF {
-            let e = down;
-            (self.top - e, R::ONE - e, e, self.cosine_top - self.growth * e)
+        // From the nearer end: how far the chord is from it, and what follows.
+        let (depth, offset, across, cosine) = if cos * cos >= R::HALF {
+            let depth = self.depth(self.opening * sin * sin, self.top);
+            (depth, self.top - depth, R::ONE - depth, self.cosine_top - self.growth * depth)
         } else {
-            let e = self.depth(self.opening * cos * cos, -self.bottom);
-            (self.bottom + e, e - R::ONE, e, self.cosine_bottom + self.growth * e)
+            let depth = self.depth(self.opening * cos * cos, -self.bottom);
+            (depth, self.bottom + depth, depth - R::ONE, self.cosine_bottom + self.growth * depth)
         };
-        let half = (chord * (R::TWO - chord)).max(R::ZERO).sqrt();
-        let distance = offset.hypot(self.height);
+        let half = (depth * (R::TWO - depth)).max(R::ZERO).sqrt();
+        let distance = norm(offset, self.height);
         let ends = [-half - self.along, half - self.along];
-        let reach = ends.map(|end| end.hypot(distance));
+        let reach = ends.map(|end| norm(end, distance));
         let angle = (R::TWO * half * distance).atan2(distance * distance + ends[0] * ends[1]);
-        let mut slice = Slice { ends, half, distance, across, reach, angle, mass: R::ZERO };
+        let slant = self.height / distance;
+        let mut slice = Slice { ends, half, distance, across, reach, angle, slant, measure: R::ZERO, mass: R::ZERO };
+        slice.measure = slice.measure_between(ends, reach, angle);
         let turn = self.opening * sin * cos;
-        slice.mass = (cosine / distance).max(R::ZERO) * slice.chord_mass() * turn / R::PI;
+        slice.mass = (cosine / distance).max(R::ZERO) * slice.measure * turn / R::PI;
         slice
     }
 
     /// How far from an end of the disk, `away` from the foot on that side, the plane at this angle from the end's plane meets it.
     fn depth(&self, angle: R, away: R) -> R {
-        let distance = away.hypot(self.height);
+        let distance = norm(away, self.height);
         let (sin, cos) = (angle.sin(), angle.cos());
         let below = self.height * cos + away * sin;
         (distance * (distance * sin / below)).clamp(R::ZERO, R::TWO)
@@ -121,29 +126,32 @@ fn towards<R: Real>(x: R, y: R) -> [R; 2] {
     if length > R::ZERO { [x / length, y / length] } else { [R::ONE, R::ZERO] }
 }
 
-impl<R: Real> Slice<R> {
-    /// ∫ cos²ξ dξ over the chord.
-    fn chord_mass(&self) -> R {
-        self.mass_between(self.ends, self.reach, self.angle)
-    }
+/// √(x² + y²) for numbers whose squares do not overflow; not less than either where squares underflow.
+fn norm<R: Real>(x: R, y: R) -> R {
+    (x * x + y * y).sqrt().max(x.abs()).max(y.abs())
+}
 
+impl<R: Real> Slice<R> {
     /// ∫ cos²ξ dξ = (Δ + sinΔ cosΣ)/2 = (Δ − sinΔ)/2 + sinΔ cos²(Σ/2), with Δ and Σ the difference and the sum of the limits.
-    fn mass_between(&self, ends: [R; 2], reach: [R; 2], angle: R) -> R {
-        let sin = |i: usize| ends[i] / reach[i];
-        let cos = |i: usize| self.distance / reach[i];
-        let sum_cos = cos(0) * cos(1) - sin(0) * sin(1);
-        let sum_sin = sin(0) * cos(1) + cos(0) * sin(1);
+    fn measure_between(&self, ends: [R; 2], reach: [R; 2], angle: R) -> R {
+        let (sin, cos) =
+            ([ends[0] / reach[0], ends[1] / reach[1]], [self.distance / reach[0], self.distance / reach[1]]);
+        let sum_cos = cos[0] * cos[1] - sin[0] * sin[1];
+        let sum_sin = sin[0] * cos[1] + cos[0] * sin[1];
         // 1 + cosΣ, without cancellation.
         let one_plus = if sum_cos < R::ZERO { sum_sin * sum_sin / (R::ONE - sum_cos) } else { R::ONE + sum_cos };
-        R::HALF * (minus_sine(angle) + angle.sin() * one_plus)
+        let sine = angle.sin();
+        R::HALF * (minus_sine(angle, sine) + sine * one_plus)
     }
 
     /// ∫ cos²ξ dξ between two fractions of the chord's angle, over that of the whole chord.
     pub(super) fn share(&self, from: R, to: R) -> R {
-        let (a, b) = (self.along(from), self.along(to));
-        let ends = [a.1, b.1];
-        let reach = ends.map(|end| end.hypot(self.distance));
-        self.mass_between(ends, reach, (to - from) * self.angle) / self.chord_mass()
+        if from <= R::ZERO && to >= R::ONE {
+            return R::ONE;
+        }
+        let ends = [self.along(from).1, self.along(to).1];
+        let reach = ends.map(|end| norm(end, self.distance));
+        self.measure_between(ends, reach, (to - from) * self.angle) / self.measure
     }
 
     /// The point at a fraction of the angle: from the disk's middle, and from the receiver's foot.
@@ -156,23 +164,17 @@ impl<R: Real> Slice<R> {
         if lower { (inward - self.half, self.ends[0] + inward) } else { (self.half - inward, self.ends[1] - inward) }
     }
 
-    /// cosθ′ at the disk, where cos²ξ is given.
-    pub(super) fn cosine(&self, squared: R, slices: &Slices<R>) -> R {
-        slices.height / self.distance * squared.sqrt()
-    }
-
-    /// Across and along from the disk's middle, and cos²ξ, at a fraction of the angle.
+    /// Across and along from the disk's middle, and cosξ, at a fraction of the angle.
     pub(super) fn sample(&self, fraction: R) -> ([R; 2], R) {
         let (along, from_foot) = self.along(fraction);
-        let cosine = self.distance / self.distance.hypot(from_foot);
-        ([self.across, along], cosine * cosine)
+        ([self.across, along], self.distance / norm(from_foot, self.distance))
     }
 }
 
 /// x − sin x for x in [0, π].
-fn minus_sine<R: Real>(x: R) -> R {
+fn minus_sine<R: Real>(x: R, sine: R) -> R {
     if x > R::HALF {
-        return x - x.sin();
+        return x - sine;
     }
     let y = x * x;
     let term = |n: f64, rest: R| R::ONE - y / R::from_f64(n) * rest;
