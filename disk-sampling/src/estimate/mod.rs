@@ -9,6 +9,7 @@
 //! - [`ratio_of_parts`] does so with a given [partition](crate::partition) instead.
 
 mod adaptive;
+mod panels;
 mod parts;
 mod rule;
 mod slice;
@@ -18,7 +19,8 @@ use core::fmt;
 
 use spectral_core::Real;
 
-pub use adaptive::{Panel, integrate, ratio};
+pub use adaptive::{integrate, ratio};
+pub use panels::Panel;
 pub use parts::ratio_of_parts;
 
 /// A point of the disk that light is asked of.

@@ -140,6 +140,11 @@ impl<R: Real> Nested<R> {
         }
     }
 
+    /// The light of a node.
+    pub(super) fn light(&self, number: usize) -> Light<R> {
+        self.nodes.get(number).map_or(Light::default(), |node| node.light)
+    }
+
     /// Works out what follows from the present level's light; to be called when all of it is set.
     pub(super) fn summarise(&mut self) {
         let measure = self.measure_at(self.density_level);

@@ -24,11 +24,20 @@ pub(super) struct Source<'a, R, F> {
     pub(super) is_mixed: bool,
 }
 
-/// The mean light of a slice, and how far its excess may be off.
+/// The mean light of a slice, how far its excess may be off, and how light and shadow follow each other.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Mean<R> {
     pub(super) light: Light<R>,
     pub(super) error: R,
+    pub(super) pattern: Pattern,
+}
+
+/// How light and shadow follow each other along a slice: the number of edges, and whether it begins in the light. Where neighbouring slices differ in it,
+/// the mean light has a kink.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct Pattern {
+    edges: u8,
+    begins_lit: bool,
 }
 
 /// What is known of the disk as a whole before a slice is sampled.
@@ -87,36 +96,61 @@ impl<R: Real, F: FnMut(&Aim<R>) -> Response<R>> Source<'_, R, F> {
             let ratio = known.ratio.unwrap_or(light.ratio());
             let error = parts.error(ratio, self.is_mixed);
             let allowed = self.tolerance * light.lit.max(known.typical);
-            if error <= allowed || self.is_spent() || !self.improve(slice, &mut parts, ratio, allowed)? {
-                return Ok(Mean { light, error });
+            let is_settled = match parts.hidden_edge() {
+                Some(edge) => !self.split_at_edge(slice, &mut parts, edge, allowed)?,
+                None => error <= allowed || !self.improve(slice, &mut parts, ratio, allowed)?,
+            };
+            if is_settled || self.is_spent() {
+                return Ok(Mean { light, error, pattern: parts.pattern() });
             }
         }
     }
 
+    /// Finds an edge and divides the part that it is in; false where there is no room or nothing to divide.
+    fn split_at_edge(
+        &mut self,
+        slice: &Slice<R>,
+        parts: &mut Parts<R>,
+        (bracket, ends): Edge<R>,
+        allowed: R,
+    ) -> Result<bool, EstimateError> {
+        let (place, error) = self.find_edge(slice, bracket, ends, R::HALF * allowed)?;
+        let Some(part) = parts.used_mut().iter_mut().find(|part| part.from < place && place < part.to) else {
+            // The edge is where parts meet anyway.
+            parts.close(place);
+            return Ok(parts.hidden_edge().is_none_or(|(other, _)| other != bracket));
+        };
+        let (from, to, rest, closed) = (part.from, part.to, part.rest, part.closed);
+        *part = self.part(slice, from, place)?;
+        (part.rest, part.closed) = (rest + error, [closed[0], true]);
+        let mut right = self.part(slice, place, to)?;
+        right.closed = [true, closed[1]];
+        Ok(parts.push(right))
+    }
+
     /// Betters the worst part; false where it cannot be.
     fn improve(&mut self, slice: &Slice<R>, parts: &mut Parts<R>, ratio: R, allowed: R) -> Result<bool, EstimateError> {
-        let has_room = parts.count < PARTS;
         let is_mixed = self.is_mixed;
+        let has_room = parts.count < PARTS;
         let Some(worst) = parts.worst(ratio, is_mixed) else { return Ok(false) };
         if worst.edge.is_none() && worst.rule.is_smooth(ratio) {
             worst.rule.level += 1;
             self.sample(slice, worst)?;
             return Ok(true);
         }
-        let (from, to, rest) = (worst.from, worst.to, worst.rest);
-        let (place, error) = match worst.edge {
-            Some((bracket, ends)) => self.find_edge(slice, bracket, ends, R::HALF * allowed)?,
-            None => (R::HALF * (from + to), R::ZERO),
-        };
-        let is_wide = place > from && place < to && to - from > R::from_f64(64.0) * R::EPSILON;
-        if !has_room || !is_wide {
+        let Part { from, to, rest, closed, edge, .. } = *worst;
+        if !has_room || !(to - from > R::from_f64(64.0) * R::EPSILON) {
             return Ok(false);
         }
-        *worst = self.part(slice, from, place)?;
-        worst.rest = rest + error;
-        let right = self.part(slice, place, to)?;
-        parts.push(right);
-        Ok(true)
+        if let Some(edge) = edge {
+            return self.split_at_edge(slice, parts, edge, allowed);
+        }
+        let middle = R::HALF * (from + to);
+        *worst = self.part(slice, from, middle)?;
+        (worst.rest, worst.closed) = (rest, [closed[0], false]);
+        let mut right = self.part(slice, middle, to)?;
+        right.closed = [false, closed[1]];
+        Ok(parts.push(right))
     }
 
     /// A part of a slice, by fractions of its angle, with the coarsest rule's samples.
@@ -140,6 +174,7 @@ impl<R: Real, F: FnMut(&Aim<R>) -> Response<R>> Source<'_, R, F> {
         }
         part.rule.summarise();
         if part.rule.level == 0 {
+            part.outermost = [responses[0], responses[2]];
             part.edge = self.look_for_edge(slice, part, &responses)?;
         }
         Ok(())
@@ -153,9 +188,6 @@ impl<R: Real, F: FnMut(&Aim<R>) -> Response<R>> Source<'_, R, F> {
         part: &Part<R>,
         responses: &[(R, Response<R>); 3],
     ) -> Result<Option<Edge<R>>, EstimateError> {
-        let between = |a: &(R, Response<R>), b: &(R, Response<R>)| {
-            differ(a.1.visibility, b.1.visibility).then_some(([a.0, b.0], [a.1, b.1]))
-        };
         let [left, middle, right] = responses;
         if let Some(edge) = between(left, middle).or_else(|| between(middle, right)) {
             return Ok(Some(edge));
@@ -201,6 +233,11 @@ impl<R: Real, F: FnMut(&Aim<R>) -> Response<R>> Source<'_, R, F> {
     }
 }
 
+/// The edge between two points, if there is one.
+fn between<R: Real>(a: &(R, Response<R>), b: &(R, Response<R>)) -> Option<Edge<R>> {
+    differ(a.1.visibility, b.1.visibility).then_some(([a.0, b.0], [a.1, b.1]))
+}
+
 fn differ<R: Real>(a: R, b: R) -> bool {
     (a - b).abs() > R::from_f64(EDGE)
 }
@@ -219,6 +256,9 @@ struct Part<R> {
     /// Error that stays: what is left of the places of edges.
     rest: R,
     edge: Option<Edge<R>>,
+    /// The coarsest rule's outermost samples, and whether the part ends at a known edge on either side.
+    outermost: [(R, Response<R>); 2],
+    closed: [bool; 2],
 }
 
 impl<R: Real> Part<R> {
@@ -277,15 +317,46 @@ impl<R: Real> Parts<R> {
         self.used().iter().fold(R::ZERO, |sum, part| sum + part.error(ratio, is_mixed) + part.rest)
     }
 
-    fn push(&mut self, part: Part<R>) {
-        if let Some(slot) = self.parts.get_mut(self.count) {
-            *slot = part;
-            self.count += 1;
+    fn used_mut(&mut self) -> &mut [Part<R>] {
+        self.parts.get_mut(..self.count).unwrap_or_default()
+    }
+
+    /// Adds a part; false where there is no room.
+    fn push(&mut self, part: Part<R>) -> bool {
+        let Some(slot) = self.parts.get_mut(self.count) else { return false };
+        *slot = part;
+        self.count += 1;
+        true
+    }
+
+    /// An edge that is not within the samples of a part, but between those of two parts that meet.
+    fn hidden_edge(&self) -> Option<Edge<R>> {
+        if self.count >= PARTS {
+            return None;
+        }
+        self.used().iter().filter(|left| !left.closed[1]).find_map(|left| {
+            let right = self.used().iter().find(|right| right.from == left.to)?;
+            between(&left.outermost[1], &right.outermost[0])
+        })
+    }
+
+    /// Remembers that parts that meet at a place meet at an edge.
+    fn close(&mut self, place: R) {
+        let near = |x: R| (x - place).abs() <= R::from_f64(4.0) * R::EPSILON;
+        for part in self.used_mut() {
+            part.closed = [part.closed[0] || near(part.from), part.closed[1] || near(part.to)];
         }
     }
 
+    fn pattern(&self) -> Pattern {
+        let count = |part: &Part<R>| u8::from(part.closed[1]).saturating_add(u8::from(part.edge.is_some()));
+        let edges = self.used().iter().fold(0_u8, |sum, part| sum.saturating_add(count(part)));
+        let first = self.used().iter().find(|part| part.from <= R::ZERO);
+        Pattern { edges, begins_lit: first.is_some_and(|part| part.outermost[0].1.visibility > R::HALF) }
+    }
+
     fn worst(&mut self, ratio: R, is_mixed: bool) -> Option<&mut Part<R>> {
-        let used = self.parts.get_mut(..self.count)?;
+        let used = self.used_mut();
         let mut worst: Option<(&mut Part<R>, R)> = None;
         for part in used {
             let error = part.error(ratio, is_mixed);

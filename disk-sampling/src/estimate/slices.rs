@@ -23,6 +23,8 @@ pub(super) struct Slices<R> {
     cosine_top: R,
     cosine_bottom: R,
     growth: R,
+    /// The part of n·d that is the same everywhere.
+    lift: R,
     /// The angle D between the planes through both.
     opening: R,
     /// The largest χ: π, or where the horizon is.
@@ -53,11 +55,14 @@ pub(super) struct Slice<R> {
 
 impl<R: Real> Slices<R> {
     /// The part of `disk` above the horizon of `receiver`; `None` when there is nothing, behind or in the plane of either, or when the squared
-    /// distance overflows. On the disk itself, the receiver is taken to be just over it.
+    /// distance overflows. A receiver less than ε² radii over the disk's plane, or on the
+    /// disk itself, is taken to be that high.
     pub(super) fn new(disk: &Disk<R>, receiver: &Receiver<R>) -> Option<Self> {
         let [x, y, height] = disk.local(receiver.position());
         let [nx, ny, nz] = disk.direction(receiver.normal());
-        let height = if height == R::ZERO && x.hypot(y) < R::ONE { R::EPSILON * R::EPSILON } else { height };
+        let floor = R::EPSILON * R::EPSILON;
+        let is_over = height > R::ZERO || (height == R::ZERO && x.hypot(y) < R::ONE);
+        let height = if is_over { height.max(floor) } else { height };
         let limit = R::MAX.sqrt() * R::from_f64(0.01);
         if !(height > R::ZERO && x.abs().max(y.abs()).max(height) < limit) {
             return None;
@@ -79,19 +84,36 @@ impl<R: Real> Slices<R> {
             let horizon = cosine_top.atan2(nz * top + growth * height);
             R::TWO * (horizon / opening).min(R::ONE).sqrt().asin()
         };
-        Some(Self { along, top, bottom, height, cosine_top, cosine_bottom, growth, opening, end, across })
+        Some(Self {
+            along,
+            top,
+            bottom,
+            height,
+            cosine_top,
+            cosine_bottom,
+            growth,
+            lift: nz * height,
+            opening,
+            end,
+            across,
+        })
     }
 
     /// The chord at χ in [0, `end`].
     pub(super) fn at(&self, chi: R) -> Slice<R> {
         let (sin, cos) = ((chi * R::HALF).sin(), (chi * R::HALF).cos());
-        // From the nearer end: how far the chord is from it, and what follows.
-        let (depth, offset, across, cosine) = if cos * cos >= R::HALF {
-            let depth = self.depth(self.opening * sin * sin, self.top);
-            (depth, self.top - depth, R::ONE - depth, self.cosine_top - self.growth * depth)
+        // From the nearer end: how far the chord is from it, and from the foot.
+        let is_upper = cos * cos >= R::HALF;
+        let (share, away) = if is_upper { (sin * sin, self.top) } else { (cos * cos, -self.bottom) };
+        let (depth, from_foot) = turned(self.opening * share, away, self.height);
+        let side = if is_upper { R::ONE } else { -R::ONE };
+        let (offset, across) = (side * from_foot, side * (R::ONE - depth));
+        let cosine = if from_foot.abs() < depth {
+            self.growth * offset - self.lift
+        } else if is_upper {
+            self.cosine_top - self.growth * depth
         } else {
-            let depth = self.depth(self.opening * cos * cos, -self.bottom);
-            (depth, self.bottom + depth, depth - R::ONE, self.cosine_bottom + self.growth * depth)
+            self.cosine_bottom + self.growth * depth
         };
         let half = (depth * (R::TWO - depth)).max(R::ZERO).sqrt();
         let distance = norm(offset, self.height);
@@ -106,14 +128,6 @@ impl<R: Real> Slices<R> {
         slice
     }
 
-    /// How far from an end of the disk, `away` from the foot on that side, the plane at this angle from the end's plane meets it.
-    fn depth(&self, angle: R, away: R) -> R {
-        let distance = norm(away, self.height);
-        let (sin, cos) = (angle.sin(), angle.cos());
-        let below = self.height * cos + away * sin;
-        (distance * (distance * sin / below)).clamp(R::ZERO, R::TWO)
-    }
-
     /// A point across and along a chord, in the disk's frame.
     pub(super) fn point(&self, across: R, along: R) -> [R; 2] {
         let [a, b] = self.across;
@@ -125,6 +139,17 @@ impl<R: Real> Slices<R> {
 fn towards<R: Real>(x: R, y: R) -> [R; 2] {
     let length = x.hypot(y);
     if length > R::ZERO { [x / length, y / length] } else { [R::ONE, R::ZERO] }
+}
+
+/// Where a ray from height `height` over a line meets it, after it is turned by `angle` from a point of the line at `away` from the foot towards the foot:
+/// how far from that point, in [0, 2], and how far from the foot on its side. Each is free of cancellation where it is small.
+fn turned<R: Real>(angle: R, away: R, height: R) -> (R, R) {
+    let reach = norm(away, height);
+    let (sin, cos) = (angle.sin(), angle.cos());
+    let below = height * cos + away * sin;
+    let moved = (reach * (reach * sin / below)).clamp(R::ZERO, R::TWO);
+    let near = height * ((away * cos - height * sin) / below);
+    (moved, if near.abs() < moved { near } else { away - moved })
 }
 
 /// √(x² + y²) for numbers whose squares do not overflow; not less than either where squares underflow.
@@ -157,12 +182,11 @@ impl<R: Real> Slice<R> {
 
     /// The point at a fraction of the angle: from the disk's middle, and from the receiver's foot.
     fn along(&self, fraction: R) -> (R, R) {
-        let lower = fraction <= R::HALF;
-        let angle = self.angle * if lower { fraction } else { R::ONE - fraction };
-        let (end, reach) = if lower { (self.ends[0], self.reach[0]) } else { (-self.ends[1], self.reach[1]) };
-        let (sin, cos) = (angle.sin(), angle.cos());
-        let inward = (reach * (reach * sin / (self.distance * cos - end * sin))).clamp(R::ZERO, R::TWO * self.half);
-        if lower { (inward - self.half, self.ends[0] + inward) } else { (self.half - inward, self.ends[1] - inward) }
+        let is_upper = fraction > R::HALF;
+        let (share, away) = if is_upper { (R::ONE - fraction, self.ends[1]) } else { (fraction, -self.ends[0]) };
+        let (inward, from_foot) = turned(self.angle * share, away, self.distance);
+        let inward = inward.min(R::TWO * self.half);
+        if is_upper { (self.half - inward, from_foot) } else { (inward - self.half, -from_foot) }
     }
 
     /// Across and along from the disk's middle, and cosξ, at a fraction of the angle.
