@@ -3,7 +3,7 @@
 use spectral_core::Real;
 
 use super::panels::{Panel, Panels};
-use super::slice::Source;
+use super::slice::{REMEMBERED, Source};
 use super::slices::Slices;
 use super::{Aim, Estimate, EstimateError, Request, Response, Status};
 use crate::configuration_factor::disk_configuration_factor;
@@ -93,6 +93,8 @@ fn run<R: Real>(
         is_ratio: exact.is_some(),
         first: None,
         is_mixed: false,
+        narrow: [None; REMEMBERED],
+        next: 0,
     };
     let exact = exact.unwrap_or(factor);
     let mut panels = Panels::new(panels, factor, source);

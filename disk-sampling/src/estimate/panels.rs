@@ -23,13 +23,15 @@ pub struct Panel<R> {
 }
 
 /// The share of the requested error that the place of a kink may make.
-const KINK_SHARE: f64 = 0.02;
+const KINK_SHARE: f64 = 0.1;
+/// The largest number of kinks that are looked for.
+const KINKS: usize = 16;
 
 /// Two neighbouring slices of different pattern.
 #[derive(Clone, Copy, Debug)]
 struct Kink<R> {
     bracket: [R; 2],
-    pattern: Pattern,
+    patterns: [Pattern; 2],
     lights: [Light<R>; 2],
 }
 
@@ -95,14 +97,14 @@ pub(super) struct Panels<'a, 'b, R, F> {
     count: usize,
     /// The disk's configuration factor in closed form.
     factor: R,
-    /// Whether looking for kinks has led nowhere.
-    is_done_with_kinks: bool,
+    /// How many more kinks are looked for.
+    kinks_left: usize,
     pub(super) source: Source<'a, R, F>,
 }
 
 impl<'a, 'b, R: Real, F: FnMut(&Aim<R>) -> Response<R>> Panels<'a, 'b, R, F> {
     pub(super) const fn new(panels: &'b mut [Panel<R>], factor: R, source: Source<'a, R, F>) -> Self {
-        Self { panels, count: 0, factor, is_done_with_kinks: false, source }
+        Self { panels, count: 0, factor, kinks_left: KINKS, source }
     }
 
     fn used(&self) -> &[Panel<R>] {
@@ -241,7 +243,8 @@ impl<'a, 'b, R: Real, F: FnMut(&Aim<R>) -> Response<R>> Panels<'a, 'b, R, F> {
             }
             let allowed = R::from_f64(KINK_SHARE) * relative * light.lit;
             if let Some(kink) = self.kink(ratio, allowed) {
-                self.is_done_with_kinks = !self.split_at_kink(kink, ratio, allowed)?;
+                let is_split = self.split_at_kink(kink, ratio, allowed)?;
+                self.kinks_left = if is_split { self.kinks_left - 1 } else { 0 };
                 continue;
             }
             if self.is_met(relative) {
@@ -286,7 +289,7 @@ impl<'a, 'b, R: Real, F: FnMut(&Aim<R>) -> Response<R>> Panels<'a, 'b, R, F> {
 
     /// The first neighbours of different pattern that matter by more than `allowed`.
     fn kink(&self, ratio: R, allowed: R) -> Option<Kink<R>> {
-        if !self.source.is_mixed || self.is_done_with_kinks {
+        if !self.source.is_mixed || self.kinks_left == 0 {
             return None;
         }
         self.used().iter().find_map(|panel| {
@@ -295,7 +298,7 @@ impl<'a, 'b, R: Real, F: FnMut(&Aim<R>) -> Response<R>> Panels<'a, 'b, R, F> {
             while let Some(next) = panel.next(last.map_or(-R::ONE, |slice| slice.0)) {
                 let kink = last.filter(|last| last.1 != next.1).map(|last| Kink {
                     bracket: [last.0, next.0],
-                    pattern: last.1,
+                    patterns: [last.1, next.1],
                     lights: [last.2, next.2],
                 });
                 if let Some(kink) = kink.filter(|kink| self.weight(kink, ratio) > allowed) {
@@ -324,7 +327,7 @@ impl<'a, 'b, R: Real, F: FnMut(&Aim<R>) -> Response<R>> Panels<'a, 'b, R, F> {
                 break;
             }
             let mean = self.slice(&self.source.slices.at(chi), light, mass)?;
-            let side = usize::from(mean.pattern != kink.pattern);
+            let side = usize::from(mean.pattern != kink.patterns[0]);
             kink.bracket[side] = chi;
             kink.lights[side] = mean.light;
         }

@@ -22,7 +22,21 @@ pub(super) struct Source<'a, R, F> {
     /// The first visibility seen, and whether another one was seen since.
     pub(super) first: Option<R>,
     pub(super) is_mixed: bool,
+    /// Where slices had their narrowest parts, the latest ones in turns.
+    pub(super) narrow: [Option<Narrow<R>>; REMEMBERED],
+    pub(super) next: usize,
 }
+
+/// The middle of a slice's narrowest part between two edges: across and along the slice on the unit disk; and how many edges the slice had.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Narrow<R> {
+    across: R,
+    along: R,
+    edges: u8,
+}
+
+/// The number of slices whose narrowest parts are remembered.
+pub(super) const REMEMBERED: usize = 16;
 
 /// The mean light of a slice, how far its excess may be off, and how light and shadow follow each other.
 #[derive(Clone, Copy, Debug)]
@@ -36,7 +50,7 @@ pub(super) struct Mean<R> {
 /// the mean light has a kink.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Pattern {
-    edges: u8,
+    pub(super) edges: u8,
     begins_lit: bool,
 }
 
@@ -54,6 +68,10 @@ const PARTS: usize = 16;
 
 /// Visibilities further apart than this have an edge between them.
 const EDGE: f64 = 0.1;
+
+/// The share of the error of other slices that is allowed to slices that edges may cross: places of edges jump from slice to slice, and would be taken for
+/// kinks.
+const EDGE_SHARE: f64 = 0.2;
 
 /// How far within a part its end is looked at.
 const END: f64 = 1.0 / 256.0;
@@ -91,19 +109,80 @@ impl<R: Real, F: FnMut(&Aim<R>) -> Response<R>> Source<'_, R, F> {
             let part = self.part(slice, place(i), place(i + 1))?;
             parts.push(part);
         }
+        let mut has_looked = !self.is_mixed;
         loop {
             let light = parts.light();
             let ratio = known.ratio.unwrap_or(light.ratio());
             let error = parts.error(ratio, self.is_mixed);
-            let allowed = self.tolerance * light.lit.max(known.typical);
+            let tolerance = if self.is_mixed { self.tolerance * R::from_f64(EDGE_SHARE) } else { self.tolerance };
+            let allowed = tolerance * light.lit.max(known.typical);
             let is_settled = match parts.hidden_edge() {
                 Some(edge) => !self.split_at_edge(slice, &mut parts, edge, allowed)?,
                 None => error <= allowed || !self.improve(slice, &mut parts, ratio, allowed)?,
             };
-            if is_settled || self.is_spent() {
-                return Ok(Mean { light, error, pattern: parts.pattern() });
+            if !is_settled && !self.is_spent() {
+                continue;
+            }
+            let pattern = parts.pattern();
+            if !has_looked {
+                has_looked = true;
+                if self.look_for_narrow_parts(slice, &mut parts, pattern.edges, allowed)? {
+                    continue;
+                }
+            }
+            if let (Some(along), Some(slot)) = (parts.narrowest(slice), self.narrow.get_mut(self.next)) {
+                *slot = Some(Narrow { across: slice.across, along, edges: pattern.edges });
+                self.next = (self.next + 1) % REMEMBERED;
+            }
+            return Ok(Mean { light, error, pattern });
+        }
+    }
+
+    /// Looks where a part between two edges should be by slices nearby that had more `edges`, too narrow perhaps to have been met: on the straight line through
+    /// the two nearest, which is where it is between straight edges, and beside the nearest. Returns whether there was one.
+    fn look_for_narrow_parts(
+        &mut self,
+        slice: &Slice<R>,
+        parts: &mut Parts<R>,
+        edges: u8,
+        allowed: R,
+    ) -> Result<bool, EstimateError> {
+        for fraction in self.expected(slice, edges).into_iter().flatten() {
+            let Some(part) = parts.used().iter().find(|part| part.from < fraction && fraction < part.to) else {
+                continue;
+            };
+            let middle = (fraction, self.ask(slice, fraction)?);
+            let nodes = part.samples;
+            let lower = nodes.iter().filter(|sample| sample.0 < fraction).next_back();
+            let upper = nodes.iter().find(|sample| sample.0 > fraction);
+            let found =
+                [lower.and_then(|lower| between(lower, &middle)), upper.and_then(|upper| between(&middle, upper))];
+            if found.iter().any(Option::is_some) {
+                for edge in found.into_iter().flatten() {
+                    self.split_at_edge(slice, parts, edge, allowed)?;
+                }
+                return Ok(true);
             }
         }
+        Ok(false)
+    }
+
+    /// Fractions of a slice at which a narrow part is expected.
+    fn expected(&self, slice: &Slice<R>, edges: u8) -> [Option<R>; 2] {
+        let distance = |narrow: &Narrow<R>| (narrow.across - slice.across).abs();
+        let (mut nearest, mut second): (Option<Narrow<R>>, Option<Narrow<R>>) = (None, None);
+        for narrow in self.narrow.iter().flatten().filter(|narrow| narrow.edges > edges) {
+            if nearest.is_none_or(|near| distance(narrow) < distance(&near)) {
+                (nearest, second) = (Some(*narrow), nearest);
+            } else if second.is_none_or(|near| distance(narrow) < distance(&near)) {
+                second = Some(*narrow);
+            }
+        }
+        let straight = nearest
+            .zip(second)
+            .filter(|(a, b)| a.across != b.across)
+            .map(|(a, b)| a.along + (slice.across - a.across) / (b.across - a.across) * (b.along - a.along));
+        [straight, nearest.map(|narrow| narrow.along)].map(|along| along.map(|along| slice.fraction(along)))
     }
 
     /// Finds an edge and divides the part that it is in; false where there is no room or nothing to divide.
@@ -174,7 +253,7 @@ impl<R: Real, F: FnMut(&Aim<R>) -> Response<R>> Source<'_, R, F> {
         }
         part.rule.summarise();
         if part.rule.level == 0 {
-            part.outermost = [responses[0], responses[2]];
+            part.samples = responses;
             part.edge = self.look_for_edge(slice, part, &responses)?;
         }
         Ok(())
@@ -256,8 +335,8 @@ struct Part<R> {
     /// Error that stays: what is left of the places of edges.
     rest: R,
     edge: Option<Edge<R>>,
-    /// The coarsest rule's outermost samples, and whether the part ends at a known edge on either side.
-    outermost: [(R, Response<R>); 2],
+    /// The coarsest rule's samples, and whether the part ends at a known edge on either side.
+    samples: [(R, Response<R>); 3],
     closed: [bool; 2],
 }
 
@@ -336,7 +415,7 @@ impl<R: Real> Parts<R> {
         }
         self.used().iter().filter(|left| !left.closed[1]).find_map(|left| {
             let right = self.used().iter().find(|right| right.from == left.to)?;
-            between(&left.outermost[1], &right.outermost[0])
+            between(&left.samples[2], &right.samples[0])
         })
     }
 
@@ -348,11 +427,20 @@ impl<R: Real> Parts<R> {
         }
     }
 
+    /// The middle of the narrowest part between two edges, along the slice on the unit disk.
+    fn narrowest(&self, slice: &Slice<R>) -> Option<R> {
+        let width = |part: &Part<R>| part.to - part.from;
+        let inner = self.used().iter().filter(|part| part.closed == [true; 2]);
+        let narrowest = inner.reduce(|a, b| if width(a) <= width(b) { a } else { b })?;
+        let [a, b] = [narrowest.from, narrowest.to].map(|fraction| slice.sample(fraction).0[1]);
+        Some(R::HALF * (a + b))
+    }
+
     fn pattern(&self) -> Pattern {
         let count = |part: &Part<R>| u8::from(part.closed[1]).saturating_add(u8::from(part.edge.is_some()));
         let edges = self.used().iter().fold(0_u8, |sum, part| sum.saturating_add(count(part)));
         let first = self.used().iter().find(|part| part.from <= R::ZERO);
-        Pattern { edges, begins_lit: first.is_some_and(|part| part.outermost[0].1.visibility > R::HALF) }
+        Pattern { edges, begins_lit: first.is_some_and(|part| part.samples[0].1.visibility > R::HALF) }
     }
 
     fn worst(&mut self, ratio: R, is_mixed: bool) -> Option<&mut Part<R>> {

@@ -189,6 +189,14 @@ impl<R: Real> Slice<R> {
         if is_upper { (self.half - inward, from_foot) } else { (inward - self.half, -from_foot) }
     }
 
+    /// The fraction of the angle at a point `along` from the disk's middle; outside [0, 1] beyond the ends.
+    pub(super) fn fraction(&self, along: R) -> R {
+        let from_foot = self.ends[0] + self.half + along;
+        let turn =
+            (self.distance * (self.half + along)).atan2(self.distance * self.distance + from_foot * self.ends[0]);
+        turn / self.angle
+    }
+
     /// Across and along from the disk's middle, and cosξ, at a fraction of the angle.
     pub(super) fn sample(&self, fraction: R) -> ([R; 2], R) {
         let (along, from_foot) = self.along(fraction);
