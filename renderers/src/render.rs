@@ -11,7 +11,7 @@ use crate::geometry::sampling::SobolSequence;
 use crate::image::{ImageError, MAX_PIXELS, Picture, Raster, ScalarMap};
 use crate::scene::{self, Scene};
 use crate::spectral::{
-    Colour, Components, IntervalMemory, IntervalSettings, Intervals, Palette, Radiance, Resolver, SharedIntervals,
+    Colour, ComponentResolver, Components, FactorOrder, IntervalMemory, IntervalSettings, Intervals, Palette, Radiance, Resolver, SharedIntervals,
     Tracer, Uniform, UniformBins,
 };
 use crate::whitted::{RenderError, Whitted, Worker};
@@ -31,6 +31,13 @@ pub enum Spectra {
     Uniform(usize),
     /// The naive product of three components.
     Rgb,
+}
+
+impl Spectra {
+    /// Whether products of spectra may be reordered.
+    const fn factor_order(&self) -> FactorOrder {
+        FactorOrder::Free
+    }
 }
 
 impl core::fmt::Display for Spectra {
@@ -94,6 +101,7 @@ pub fn render(scene: &Scene, options: &Options, progress: &(dyn Fn(usize) + Sync
         seed: options.seed.unwrap_or(scene.sampler.seed),
         filter: filter(scene.film.filter)?,
         scene: &whitted,
+        order: options.spectra.factor_order(),
         progress,
     };
     let (pixels, prepared) = match options.spectra {
@@ -107,8 +115,8 @@ pub fn render(scene: &Scene, options: &Options, progress: &(dyn Fn(usize) + Sync
             (frame.trace(start, || Uniform::new(&bins)), false)
         }
         Spectra::Rgb => {
-            let components = Components::new(&palette).map_err(RenderError::new)?;
-            (frame.trace(start, || &components), false)
+            let components = Components::naive(&palette).map_err(RenderError::new)?;
+            (frame.trace(start, || ComponentResolver::new(&components)), false)
         }
     };
     pixels.into_rendering(frame.size, prepared).map_err(|e| RenderError::new(e.to_string()))
@@ -139,6 +147,7 @@ struct Frame<'s> {
     seed: u64,
     filter: Filter,
     scene: &'s Whitted,
+    order: FactorOrder,
     progress: &'s (dyn Fn(usize) + Sync),
 }
 
@@ -161,7 +170,7 @@ impl Frame<'_> {
         let next = AtomicUsize::new(0);
         let shared = Mutex::new((vec![Colour::default(); width * height], 0_u64));
         rayon::broadcast(|_| {
-            let mut worker = Worker::new(self.scene);
+            let mut worker = Worker::new(self.scene, self.order);
             let mut resolver = new_resolver();
             let mut colours = Vec::with_capacity(TILE * TILE);
             loop {

@@ -47,21 +47,36 @@ impl Monomial {
     }
 }
 
-/// All products met so far: each gets one number however its factors are ordered.
+/// Whether the order of a product's factors matters.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum FactorOrder {
+    /// It doesn't: spectra are multiplied wavelength by wavelength. Factors are kept in increasing order.
+    #[default]
+    Free,
+    /// It does, as for operators that aren't associative: factors are kept as they are met, from the eye to the light.
+    Kept,
+}
+
+/// All products met so far: each gets one number, however its factors are ordered where that doesn't matter.
 #[derive(Clone, Debug)]
 pub struct Monomials {
+    order: FactorOrder,
     factors: Vec<Vec<u32>>,
     products: HashMap<(u32, u32), u32, PairBuild>,
     numbers: HashMap<Vec<u32>, u32>,
 }
 
-impl Default for Monomials {
-    fn default() -> Self {
-        Self { factors: vec![Vec::new()], products: HashMap::default(), numbers: HashMap::from([(Vec::new(), 0)]) }
-    }
-}
-
 impl Monomials {
+    /// The empty product alone.
+    pub fn new(order: FactorOrder) -> Self {
+        Self {
+            order,
+            factors: vec![Vec::new()],
+            products: HashMap::default(),
+            numbers: HashMap::from([(Vec::new(), 0)]),
+        }
+    }
+
     /// How many products have been met, the empty one included.
     #[allow(clippy::len_without_is_empty, reason = "the empty product is always there")]
     pub fn len(&self) -> usize {
@@ -74,7 +89,10 @@ impl Monomials {
             return Monomial(*known);
         }
         let mut factors = self.factors[monomial.index()].clone();
-        let place = factors.partition_point(|f| *f <= leaf);
+        let place = match self.order {
+            FactorOrder::Free => factors.partition_point(|f| *f <= leaf),
+            FactorOrder::Kept => factors.len(),
+        };
         factors.insert(place, leaf);
         let next = u32::try_from(self.factors.len()).unwrap_or(u32::MAX);
         let number = *self.numbers.entry(factors.clone()).or_insert(next);
@@ -100,7 +118,7 @@ impl Monomials {
         (product, weight * factor.scale)
     }
 
-    /// The leaves of a monomial, in increasing order.
+    /// The leaves of a monomial, in increasing order or from the eye to the light.
     pub fn leaves(&self, monomial: Monomial) -> &[u32] {
         &self.factors[monomial.index()]
     }

@@ -21,7 +21,7 @@ use glam::DVec3;
 use spectral_core::schlick::{Schlick, schlick_fresnel};
 
 use crate::geometry::{Camera, Hit, Ray, World};
-use crate::spectral::{Deferred, Factor, Monomial, Monomials, Radiance, Tracer};
+use crate::spectral::{Deferred, Factor, FactorOrder, Monomial, Monomials, Radiance, Tracer};
 use cells::{Cells, ClearCells};
 use light::{Light, Part, Receiver, single};
 use material::{Dielectric, Material, dielectric_fresnel, mirror_factors};
@@ -92,6 +92,7 @@ impl Whitted {
 pub struct Worker<'s> {
     scene: &'s Whitted,
     monomials: Monomials,
+    order: FactorOrder,
     deferred: Vec<Interface>,
     clear: ClearCells,
     rays: u64,
@@ -123,8 +124,9 @@ struct Path {
 
 impl<'s> Worker<'s> {
     /// A worker without anything in its caches.
-    pub fn new(scene: &'s Whitted) -> Self {
-        Self { scene, monomials: Monomials::default(), deferred: Vec::new(), clear: ClearCells::default(), rays: 0 }
+    pub fn new(scene: &'s Whitted, order: FactorOrder) -> Self {
+        let monomials = Monomials::new(order);
+        Self { scene, monomials, order, deferred: Vec::new(), clear: ClearCells::default(), rays: 0 }
     }
 
     /// How many rays this worker has traced, shadow rays not counted.
@@ -134,7 +136,7 @@ impl<'s> Worker<'s> {
 
     /// Forgets all products: numbers of monomials that were given out before mean nothing any more.
     pub fn forget(&mut self) {
-        self.monomials = Monomials::default();
+        self.monomials = Monomials::new(self.order);
         self.deferred.clear();
     }
 

@@ -1,0 +1,124 @@
+//! Colours by three components: the ways that fall short of spectra, for comparison.
+
+use spectral_core::colour::rgb;
+use spectral_core::{Observer, tristimulus};
+
+use super::{Colour, Monomial, Monomials, Palette, Radiance, Resolver, Role, Tabulated, Tracer, Y_INTEGRAL};
+
+/// The wavelength in nm at which refraction is taken: the helium d line, where glass catalogues state the index.
+const MEAN_WAVELENGTH: f64 = 587.5618;
+
+type Rgb = [f64; 3];
+type Matrix = [[f64; 3]; 3];
+
+/// Each spectrum's linear Rec. 709 components, and how light and reflectances are multiplied.
+///
+/// A light has the components of its own colour. What those of a reflectance are depends on the way; so does the product.
+#[derive(Clone, Debug)]
+pub struct Components {
+    leaves: Vec<Rgb>,
+    /// For each leaf, what it does as a factor; `None` where components are multiplied one by one.
+    matrices: Option<Vec<Matrix>>,
+}
+
+impl Components {
+    /// The naive way: a reflectance has its colour under D65 relative to white, and components are multiplied one by one.
+    ///
+    /// # Errors
+    /// A text that says what is wrong with which leaf.
+    pub fn naive(palette: &Palette) -> Result<Self, String> {
+        let white = Tabulated::d65();
+        Ok(Self { leaves: leaves(palette, |reflectance| relative_colour(reflectance, &white))?, matrices: None })
+    }
+
+    fn apply(&self, leaf: u32, light: Rgb) -> Rgb {
+        let leaf = leaf as usize;
+        if let Some(matrix) = self.matrices.as_ref().and_then(|m| m.get(leaf)) {
+            return matrix.map(|row| row[0] * light[0] + row[1] * light[1] + row[2] * light[2]);
+        }
+        self.leaves.get(leaf).map_or(light, |factor| core::array::from_fn(|a| factor[a] * light[a]))
+    }
+
+    /// Light that meets the factors of a monomial, the last one first.
+    fn through(&self, factors: &[u32], light: Rgb) -> Rgb {
+        factors.iter().rev().fold(light, |light, leaf| self.apply(*leaf, light))
+    }
+
+    /// The colour of a product: its last factor is the light.
+    fn product(&self, factors: &[u32]) -> Rgb {
+        match factors.split_last() {
+            None => [1.0; 3],
+            Some((light, factors)) => {
+                self.through(factors, self.leaves.get(*light as usize).copied().unwrap_or([1.0; 3]))
+            }
+        }
+    }
+}
+
+/// The components of all leaves: lights by their own colour, reflectances by `reflectance`.
+fn leaves(palette: &Palette, reflectance: impl Fn(&Tabulated) -> Result<Rgb, String>) -> Result<Vec<Rgb>, String> {
+    let observer = Observer::cie_1931_2deg();
+    let colour = |(leaf, role): &(Tabulated, Role)| match role {
+        Role::Light => {
+            let xyz = tristimulus(&observer, &leaf.spectrum()?, 380.0, 780.0);
+            Ok(rgb::xyz_to_linear_rgb(xyz.map(|v| v / Y_INTEGRAL)))
+        }
+        Role::Reflectance => reflectance(leaf),
+    };
+    palette.leaves().iter().map(colour).collect()
+}
+
+/// The colour of a reflectance under a light that is white by definition.
+fn relative_colour(reflectance: &Tabulated, light: &Tabulated) -> Result<Rgb, String> {
+    let observer = Observer::cie_1931_2deg();
+    let [_, white, _] = tristimulus(&observer, &light.spectrum()?, 380.0, 780.0);
+    let lit = tristimulus(&observer, &reflectance.times(light).spectrum()?, 380.0, 780.0);
+    Ok(rgb::xyz_to_linear_rgb(lit.map(|v| v / white)))
+}
+
+/// Colours by three components: what one thread remembers of products.
+#[derive(Clone, Debug)]
+pub struct ComponentResolver<'a> {
+    components: &'a Components,
+    products: Vec<Option<Rgb>>,
+}
+
+impl<'a> ComponentResolver<'a> {
+    /// A resolver that has met no product.
+    pub const fn new(components: &'a Components) -> Self {
+        Self { components, products: Vec::new() }
+    }
+
+    fn product(&mut self, monomials: &Monomials, monomial: Monomial) -> Rgb {
+        if self.products.len() <= monomial.index() {
+            self.products.resize(monomials.len(), None);
+        }
+        let product = || self.components.product(monomials.leaves(monomial));
+        match self.products.get_mut(monomial.index()) {
+            Some(known) => *known.get_or_insert_with(product),
+            None => product(),
+        }
+    }
+
+    fn sum(&mut self, radiance: &Radiance, monomials: &Monomials) -> Rgb {
+        let mut sum = [0.0; 3];
+        for (monomial, weight) in radiance.terms() {
+            let product = self.product(monomials, *monomial);
+            sum = core::array::from_fn(|a| sum[a] + weight * product[a]);
+        }
+        sum
+    }
+}
+
+impl Resolver for ComponentResolver<'_> {
+    fn resolve(&mut self, radiance: &Radiance, tracer: &mut dyn Tracer) -> Colour {
+        let mut sum = self.sum(radiance, tracer.monomials());
+        for (deferred, through, weight) in radiance.deferred() {
+            let traced = tracer.trace(*deferred, MEAN_WAVELENGTH);
+            let light = self.sum(&traced, tracer.monomials());
+            let seen = self.components.through(tracer.monomials().leaves(*through), light);
+            sum = core::array::from_fn(|a| sum[a] + weight * seen[a]);
+        }
+        Colour { xyz: rgb::linear_rgb_to_xyz(sum), intervals: 3, ..Colour::default() }
+    }
+}
