@@ -13,6 +13,7 @@
 //! | share the work among colours that differ in scale, or do without cube roots | [`subdivision`], [`threshold_table`] |
 //! | have colours and their differences | [`colour`], [`bound`] |
 //! | bend and reflect light | [`dispersion`], [`schlick`] |
+//! | multiply and divide three-component colours with less loss | [`bilinear`] |
 //!
 //! # Example
 //! The colour of a green paint under D65 within ΔE\*ab 3, certainly (Iehl and Péroche's example, figure 5):
@@ -55,6 +56,7 @@ extern crate std;
 pub mod action;
 pub mod adaptation;
 pub mod adaptive;
+pub mod bilinear;
 pub mod bound;
 pub mod cct;
 pub mod colour;
@@ -64,6 +66,7 @@ pub mod expression;
 mod integrate;
 pub mod interval;
 pub mod light;
+mod matrix;
 mod observer;
 mod real;
 pub mod schlick;
