@@ -1,5 +1,6 @@
 //! Colours by three components: the ways that fall short of spectra, for comparison.
 
+use spectral_core::bilinear::{Reflection, Tensor};
 use spectral_core::colour::rgb;
 use spectral_core::{Observer, tristimulus};
 
@@ -9,7 +10,6 @@ use super::{Colour, Monomial, Monomials, Palette, Radiance, Resolver, Role, Tabu
 const MEAN_WAVELENGTH: f64 = 587.5618;
 
 type Rgb = [f64; 3];
-type Matrix = [[f64; 3]; 3];
 
 /// Each spectrum's linear Rec. 709 components, and how light and reflectances are multiplied.
 ///
@@ -18,7 +18,7 @@ type Matrix = [[f64; 3]; 3];
 pub struct Components {
     leaves: Vec<Rgb>,
     /// For each leaf, what it does as a factor; `None` where components are multiplied one by one.
-    matrices: Option<Vec<Matrix>>,
+    reflections: Option<Vec<Reflection<f64>>>,
 }
 
 impl Components {
@@ -28,13 +28,26 @@ impl Components {
     /// A text that says what is wrong with which leaf.
     pub fn naive(palette: &Palette) -> Result<Self, String> {
         let white = Tabulated::d65();
-        Ok(Self { leaves: leaves(palette, |reflectance| relative_colour(reflectance, &white))?, matrices: None })
+        Ok(Self { leaves: leaves(palette, |reflectance| relative_colour(reflectance, &white))?, reflections: None })
+    }
+
+    /// The bilinear way of Granier and Damez: the components of the naive one, multiplied by a tensor for linear Rec. 709.
+    ///
+    /// The product isn't associative, so that factors must be [kept](super::FactorOrder::Kept) in order: light meets one surface after the
+    /// other.
+    ///
+    /// # Errors
+    /// A text that says what is wrong with which leaf.
+    pub fn bilinear(palette: &Palette, tensor: &Tensor<f64>) -> Result<Self, String> {
+        let naive = Self::naive(palette)?;
+        let reflections = naive.leaves.iter().map(|colour| tensor.reflection(*colour)).collect();
+        Ok(Self { reflections: Some(reflections), ..naive })
     }
 
     fn apply(&self, leaf: u32, light: Rgb) -> Rgb {
         let leaf = leaf as usize;
-        if let Some(matrix) = self.matrices.as_ref().and_then(|m| m.get(leaf)) {
-            return matrix.map(|row| row[0] * light[0] + row[1] * light[1] + row[2] * light[2]);
+        if let Some(reflection) = self.reflections.as_ref().and_then(|r| r.get(leaf)) {
+            return reflection.apply(light);
         }
         self.leaves.get(leaf).map_or(light, |factor| core::array::from_fn(|a| factor[a] * light[a]))
     }
