@@ -77,6 +77,11 @@ impl PhotometricFileError {
         let file = file.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
         Self { file, line, field: field.into(), fault }
     }
+
+    /// Field and fault without the place.
+    pub(crate) fn what(&self) -> String {
+        if self.field.is_empty() { self.fault.to_string() } else { format!("{}: {}", self.field, self.fault) }
+    }
 }
 
 /// A piece of the file for messages: not too long.
@@ -139,10 +144,7 @@ impl fmt::Display for PhotometricFileError {
         if self.line > 0 {
             write!(f, ":{}", self.line)?;
         }
-        if !self.field.is_empty() {
-            write!(f, ": {}", self.field)?;
-        }
-        write!(f, ": {}", self.fault)
+        write!(f, ": {}", self.what())
     }
 }
 

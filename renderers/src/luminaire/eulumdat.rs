@@ -81,7 +81,7 @@ impl Stored {
             3 | 4 => (4, "a multiple of 4 for symmetries 3 and 4"),
             _ => (1, ""),
         };
-        if planes % divisor != 0 {
+        if !planes.is_multiple_of(divisor) {
             let fault = Fault::Domain { value: f64::from(planes), wanted };
             return Err(PhotometricFileError::new(file, line, "number of C-planes", fault));
         }
