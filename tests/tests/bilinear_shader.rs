@@ -24,8 +24,8 @@ fn the_functions_are_as_short_as_stated() {
     let wgsl = text(ShaderLanguage::Wgsl, &Tensor::iso_rgb());
     let expected = "fn bilinear(c: vec3<f32>, d: vec3<f32>) -> vec3<f32> {
     let differences = (c - c.yzx) * (d - d.yzx);
-    return c * d - mat3x3<f32>(0.27085677, -0.04131793, 0.0005536667, -0.057330955, 0.04693184, 0.03959463, 0.07583884, \
-                    -0.018118927, 0.0106369) * differences;
+    return c * d - mat3x3<f32>(2.70856768e-1, -4.13179286e-2, 5.53666672e-4, -5.73309548e-2, 4.69318405e-2, \
+                    3.95946316e-2, 7.58388415e-2, -1.81189273e-2, 1.06368996e-2) * differences;
 }
 ";
     assert_eq!(wgsl, expected);
@@ -58,6 +58,33 @@ fn the_text_computes_the_product() {
                 assert!((c[row] * d[row] - sum - expected[row]).abs() <= 5e-7, "{c:?} {d:?}");
             }
         }
+    }
+}
+
+/// Every magnitude of `f32`, subnormal numbers and powers of ten included, is read back to the bit.
+#[test]
+fn coefficients_are_read_back() {
+    let mut draw = Draw::new(3);
+    let edges = [0.0, 1.0, 0.1, 10.0, 9.999_999e9, f32::MAX, f32::MIN_POSITIVE, f32::from_bits(1), 0.999_999_94, 123.0];
+    for case in 0..3000 {
+        let transfer: [[f32; 3]; 3] = core::array::from_fn(|_| {
+            core::array::from_fn(|_| {
+                let random = f32::from_bits(u32::try_from(draw.bits() >> 32).unwrap());
+                let value = edges.get(case).copied().unwrap_or(random);
+                if value.is_finite() { value } else { -1.5 }
+            })
+        });
+        let mut text = String::new();
+        write_operator(&mut text, ShaderLanguage::Glsl, "f", &Tensor::new(transfer).unwrap()).unwrap();
+        let read = numbers(&text, "mat3(");
+        for pair in 0..3 {
+            for channel in 0..3 {
+                let (read, written) = (read[3 * pair + channel], transfer[channel][pair]);
+                assert_eq!(read, written, "{text}");
+            }
+        }
+        // A decimal point, without which GLSL ES takes a number for an integer.
+        assert_eq!(text.matches('.').count(), 9 + 2, "{text}");
     }
 }
 
