@@ -4,6 +4,7 @@ use core::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::Mutex;
 use std::time::Instant;
 
+use spectral_core::bilinear::Tensor;
 use spectral_core::colour::rgb;
 
 use crate::geometry::Filter;
@@ -11,8 +12,8 @@ use crate::geometry::sampling::SobolSequence;
 use crate::image::{ImageError, MAX_PIXELS, Picture, Raster, ScalarMap};
 use crate::scene::{self, Scene};
 use crate::spectral::{
-    Colour, ComponentResolver, Components, FactorOrder, IntervalMemory, IntervalSettings, Intervals, Palette, Radiance, Resolver, SharedIntervals,
-    Tracer, Uniform, UniformBins,
+    Colour, ComponentResolver, Components, FactorOrder, IntervalMemory, IntervalSettings, Intervals, Palette, Radiance,
+    Resolver, Role, SharedIntervals, Tracer, Uniform, UniformBins,
 };
 use crate::whitted::{RenderError, Whitted, Worker};
 
@@ -31,12 +32,21 @@ pub enum Spectra {
     Uniform(usize),
     /// The naive product of three components.
     Rgb,
+    /// The product of three components, those of materials filtered for the light that is the strongest in the scene.
+    RgbPrefiltered,
+    /// The bilinear product of three components.
+    Bilinear,
+    /// Spectra of ten bins, made of three components.
+    Smits,
 }
 
 impl Spectra {
     /// Whether products of spectra may be reordered.
     const fn factor_order(&self) -> FactorOrder {
-        FactorOrder::Free
+        match self {
+            Self::Bilinear => FactorOrder::Kept,
+            Self::Interval(_) | Self::Uniform(_) | Self::Rgb | Self::RgbPrefiltered | Self::Smits => FactorOrder::Free,
+        }
     }
 }
 
@@ -46,6 +56,9 @@ impl core::fmt::Display for Spectra {
             Self::Interval(_) => write!(f, "interval"),
             Self::Uniform(count) => write!(f, "uniform:{count}"),
             Self::Rgb => write!(f, "rgb"),
+            Self::RgbPrefiltered => write!(f, "rgb-prefiltered"),
+            Self::Bilinear => write!(f, "bilinear"),
+            Self::Smits => write!(f, "smits"),
         }
     }
 }
@@ -118,8 +131,34 @@ pub fn render(scene: &Scene, options: &Options, progress: &(dyn Fn(usize) + Sync
             let components = Components::naive(&palette).map_err(RenderError::new)?;
             (frame.trace(start, || ComponentResolver::new(&components)), false)
         }
+        Spectra::RgbPrefiltered => {
+            let components = prefiltered(scene, &palette)?;
+            (frame.trace(start, || ComponentResolver::new(&components)), false)
+        }
+        Spectra::Bilinear => {
+            let components = Components::bilinear(&palette, &Tensor::rec_709()).map_err(RenderError::new)?;
+            (frame.trace(start, || ComponentResolver::new(&components)), false)
+        }
+        Spectra::Smits => {
+            let bins = UniformBins::smits(&palette).map_err(RenderError::new)?;
+            (frame.trace(start, || Uniform::new(&bins)), false)
+        }
     };
     pixels.into_rendering(frame.size, prepared).map_err(|e| RenderError::new(e.to_string()))
+}
+
+/// Components filtered for the light with the largest luminous flux.
+fn prefiltered(scene: &Scene, palette: &Palette) -> Result<Components, RenderError> {
+    let Some(spectrum) = scene.dominant_light() else {
+        return Err(RenderError::new("rgb-prefiltered needs a light, and the scene has none"));
+    };
+    let spectrum = scene.spectrum(spectrum);
+    let mut own = Palette::default();
+    own.factor(spectrum, Role::Light);
+    let light = own.leaves().first().map(|(light, _)| light.clone());
+    let light = light.ok_or_else(|| RenderError::new("the dominant light has no spectrum"))?;
+    Components::prefiltered(palette, &light)
+        .map_err(|e| RenderError::new(format!("rgb-prefiltered, {}: {e}", spectrum.label)))
 }
 
 /// Refuses pictures that could not be kept, before time is spent on them.

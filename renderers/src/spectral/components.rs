@@ -1,7 +1,8 @@
 //! Colours by three components: the ways that fall short of spectra, for comparison.
 
 use spectral_core::bilinear::{Reflection, Tensor};
-use spectral_core::colour::rgb;
+use spectral_core::colour::RgbSpace;
+use spectral_core::prefilter::Prefilter;
 use spectral_core::{Observer, tristimulus};
 
 use super::{Colour, Monomial, Monomials, Palette, Radiance, Resolver, Role, Tabulated, Tracer, Y_INTEGRAL};
@@ -11,24 +12,39 @@ const MEAN_WAVELENGTH: f64 = 587.5618;
 
 type Rgb = [f64; 3];
 
-/// Each spectrum's linear Rec. 709 components, and how light and reflectances are multiplied.
+/// Each spectrum's components in a linear RGB space, and how light and reflectances are multiplied.
 ///
 /// A light has the components of its own colour. What those of a reflectance are depends on the way; so does the product.
 #[derive(Clone, Debug)]
 pub struct Components {
+    space: RgbSpace,
     leaves: Vec<Rgb>,
     /// For each leaf, what it does as a factor; `None` where components are multiplied one by one.
     reflections: Option<Vec<Reflection<f64>>>,
 }
 
 impl Components {
-    /// The naive way: a reflectance has its colour under D65 relative to white, and components are multiplied one by one.
+    /// The naive way, in Rec. 709: a reflectance has its colour under D65 relative to white, and components are multiplied
+    /// one by one.
     ///
     /// # Errors
     /// A text that says what is wrong with which leaf.
     pub fn naive(palette: &Palette) -> Result<Self, String> {
-        let white = Tabulated::d65();
-        Ok(Self { leaves: leaves(palette, |reflectance| relative_colour(reflectance, &white))?, reflections: None })
+        let space = rec_709()?;
+        Ok(Self { space, leaves: leaves(palette, &space, |leaf| surface_colour(leaf, space))?, reflections: None })
+    }
+
+    /// Spectral prefiltering (Ward and Eydelberg-Vileshin 2002) in their sharp primaries: what the dominant light's direct light becomes
+    /// on diffuse surfaces is exact. Components are multiplied one by one.
+    ///
+    /// # Errors
+    /// A text that says what is wrong with which leaf, or that the dominant light has no positive component in this space.
+    pub fn prefiltered(palette: &Palette, dominant: &Tabulated) -> Result<Self, String> {
+        let (observer, space) = (Observer::cie_1931_2deg(), RgbSpace::SHARP);
+        let dominant = dominant.spectrum()?;
+        let prefilter = Prefilter::new(&observer, &dominant, space).map_err(|e| e.to_string())?;
+        let leaves = leaves(palette, &space, |reflectance| Ok(prefilter.material(&reflectance.spectrum()?)))?;
+        Ok(Self { space, leaves, reflections: None })
     }
 
     /// The bilinear way of Granier and Damez: the components of the naive one, multiplied by a tensor for linear Rec. 709.
@@ -69,24 +85,37 @@ impl Components {
 }
 
 /// The components of all leaves: lights by their own colour, reflectances by `reflectance`.
-fn leaves(palette: &Palette, reflectance: impl Fn(&Tabulated) -> Result<Rgb, String>) -> Result<Vec<Rgb>, String> {
-    let observer = Observer::cie_1931_2deg();
+fn leaves(
+    palette: &Palette,
+    space: &RgbSpace,
+    reflectance: impl Fn(&Tabulated) -> Result<Rgb, String>,
+) -> Result<Vec<Rgb>, String> {
     let colour = |(leaf, role): &(Tabulated, Role)| match role {
-        Role::Light => {
-            let xyz = tristimulus(&observer, &leaf.spectrum()?, 380.0, 780.0);
-            Ok(rgb::xyz_to_linear_rgb(xyz.map(|v| v / Y_INTEGRAL)))
-        }
+        Role::Light => Ok(space.from_xyz(light_colour(leaf)?)),
         Role::Reflectance => reflectance(leaf),
     };
     palette.leaves().iter().map(colour).collect()
 }
 
-/// The colour of a reflectance under a light that is white by definition.
-fn relative_colour(reflectance: &Tabulated, light: &Tabulated) -> Result<Rgb, String> {
+/// XYZ of a light, Y = 1 for a flat radiance of 1.
+pub(super) fn light_colour(light: &Tabulated) -> Result<[f64; 3], String> {
     let observer = Observer::cie_1931_2deg();
-    let [_, white, _] = tristimulus(&observer, &light.spectrum()?, 380.0, 780.0);
-    let lit = tristimulus(&observer, &reflectance.times(light).spectrum()?, 380.0, 780.0);
-    Ok(rgb::xyz_to_linear_rgb(lit.map(|v| v / white)))
+    Ok(tristimulus(&observer, &light.spectrum()?, 380.0, 780.0).map(|v| v / Y_INTEGRAL))
+}
+
+/// Linear Rec. 709 with the white of the table of CIE D65, which the four digits of the standard round: so D65 has equal components.
+pub(super) fn rec_709() -> Result<RgbSpace, String> {
+    let [x, y, z] = light_colour(&Tabulated::d65())?;
+    let sum = x + y + z;
+    RgbSpace::new(RgbSpace::REC_709.primaries(), [x / sum, y / sum]).map_err(|e| e.to_string())
+}
+
+/// The components of a reflectance: its colour under D65, which has equal components in this space.
+pub(super) fn surface_colour(reflectance: &Tabulated, space: RgbSpace) -> Result<Rgb, String> {
+    let (observer, white) = (Observer::cie_1931_2deg(), Tabulated::d65());
+    let white = white.spectrum()?;
+    let prefilter = Prefilter::new(&observer, &white, space).map_err(|e| e.to_string())?;
+    Ok(prefilter.material(&reflectance.spectrum()?))
 }
 
 /// Colours by three components: what one thread remembers of products.
@@ -132,6 +161,6 @@ impl Resolver for ComponentResolver<'_> {
             let seen = self.components.through(tracer.monomials().leaves(*through), light);
             sum = core::array::from_fn(|a| sum[a] + weight * seen[a]);
         }
-        Colour { xyz: rgb::linear_rgb_to_xyz(sum), intervals: 3, ..Colour::default() }
+        Colour { xyz: self.components.space.to_xyz(sum), intervals: 3, ..Colour::default() }
     }
 }

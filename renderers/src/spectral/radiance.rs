@@ -164,3 +164,22 @@ impl Radiance {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{FactorOrder, Monomial, Monomials};
+
+    #[test]
+    fn the_order_of_factors_is_kept_where_it_matters() {
+        for (order, expected) in [(FactorOrder::Free, [1, 2, 2, 7]), (FactorOrder::Kept, [7, 2, 1, 2])] {
+            let mut monomials = Monomials::new(order);
+            let mut of =
+                |leaves: &[u32]| leaves.iter().fold(Monomial::default(), |m, leaf| monomials.times_leaf(m, *leaf));
+            let (near, far) = (of(&[7, 2]), of(&[1, 2]));
+            let product = monomials.product(near, far);
+            assert_eq!(monomials.leaves(product), expected);
+            let other = monomials.product(far, near);
+            assert_eq!(product == other, order == FactorOrder::Free);
+        }
+    }
+}

@@ -48,6 +48,10 @@ impl RgbSpace {
     /// ACEScg: AP1 primaries and the white of ACES (Academy S-2014-004).
     pub const ACESCG: Self = Self::known([[0.713, 0.293], [0.165, 0.830], [0.128, 0.044]], [0.321_68, 0.337_67]);
 
+    /// The "sharp" primaries that Ward and Eydelberg-Vileshin (2002) recommend for prefiltered rendering, white of equal energy: they lie
+    /// outside the spectral locus, and most lights have positive components.
+    pub const SHARP: Self = Self::known([[0.6898, 0.3206], [0.0736, 0.9003], [0.1166, 0.0374]], [1.0 / 3.0, 1.0 / 3.0]);
+
     const fn known(primaries: [[f64; 2]; 3], white: [f64; 2]) -> Self {
         let to_xyz = rgb_to_xyz_matrix(primaries, white);
         Self { primaries, white, to_xyz, from_xyz: invert(to_xyz) }
