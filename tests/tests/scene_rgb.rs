@@ -11,7 +11,7 @@ fn scene(reflectance: [f64; 3], radiance: [f64; 3]) -> Scene {
     let text = |[r, g, b]: [f64; 3]| format!("{r:e} {g:e} {b:e}");
     let (reflectance, radiance) = (text(reflectance), text(radiance));
     let xml = format!(
-        "<scene version='3.0.0'><sensor type='perspective'/><shape type='sphere'>
+        "<scene version='3.0.0'><sensor type='perspective'><float name='fov' value='40'/></sensor><shape type='sphere'>
          <bsdf type='diffuse'><rgb name='reflectance' value='{reflectance}'/></bsdf>
          <emitter type='area'><rgb name='radiance' value='{radiance}'/></emitter></shape></scene>"
     );
