@@ -227,7 +227,7 @@ impl<R: Real> Cut<R> {
             };
             let low = along * t.sin() - across * t.cos();
             let high = along * s - across * c;
-            rise * w * (p / (d2 * d)) * squared_cosine([low / d, high / d], R::TWO * p * w / d)
+            rise * (w / d) * (p / d2) * squared_cosine([low / d, high / d], R::TWO * p * w / d)
         };
         integrate_from(first, self.half_angle, distance, integrand) * k * ab * self.amplitude / R::PI
     }

@@ -17,12 +17,12 @@ const PANELS: usize = 160;
 
 /// ∫ `integrand` over [0, `end`], when the nearest pole is `distance`(x) from x in the complex plane, or farther.
 ///
-/// The poles of each panel are at least 2.33 half lengths from its middle: 12 nodes err by about
-/// (2.33 + √(2.33² − 1))⁻²⁴ ≈ 3·10⁻¹⁶ of the integrand's size around it.
+/// The poles of each panel are at least 2.8 half lengths from its middle: 12 nodes err by about
+/// (2.8 + √(2.8² − 1))⁻²⁴ ≈ 10⁻¹⁷ of the integrand's size around it.
 pub(super) fn integrate<R: Real>(end: R, distance: impl Fn(R) -> R, integrand: impl Fn(R) -> R) -> R {
-    // A panel can be 1.5 distances long where poles fall behind, and 0.6 where they come up.
-    let (receding, nearing) = (R::from_f64(1.5), R::from_f64(0.6));
-    let reach = R::from_f64(1.167);
+    // A panel can be 1.1 distances long where poles fall behind, and 0.52 where they come up.
+    let (receding, nearing) = (R::from_f64(1.1), R::from_f64(0.52));
+    let reach = R::from_f64(1.4);
     let shortest = end * R::EPSILON;
     let mut sum = R::ZERO;
     let mut start = R::ZERO;
