@@ -11,7 +11,8 @@ mod shape;
 mod vector;
 
 pub use configuration_factor::{
-    disk_configuration_factor, disk_irradiance_vector, polygon_configuration_factor, sphere_configuration_factor,
+    disk_configuration_factor, disk_irradiance_vector, polygon_configuration_factor, polygon_irradiance_vector,
+    sphere_configuration_factor,
 };
 pub use map::{disk_to_square, square_to_disk};
 pub use shape::{Disk, Receiver, ShapeError, Sphere};

@@ -1,5 +1,6 @@
 //! Configuration factors in closed form: irradiance over π times radiance of an unobstructed light of uniform radiance.
 
+mod angle;
 mod cone;
 mod disk;
 mod double_word;
@@ -7,7 +8,8 @@ mod gauss;
 mod polygon;
 mod scale;
 mod sphere;
+mod triangle;
 
 pub use disk::{disk_configuration_factor, disk_irradiance_vector};
-pub use polygon::polygon_configuration_factor;
+pub use polygon::{polygon_configuration_factor, polygon_irradiance_vector};
 pub use sphere::sphere_configuration_factor;
