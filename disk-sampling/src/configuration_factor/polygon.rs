@@ -101,6 +101,7 @@ impl<'a, R: Real> View<'a, R> {
             terms += angle;
             sum += angle * dot(direction, normal);
         };
+        // The edges along the horizon lie in the element's plane; their Γ is along the normal.
         let mut leaving = None;
         let mut entering = None;
         let mut corner_before = self.last;
@@ -118,15 +119,17 @@ impl<'a, R: Real> View<'a, R> {
                     add_edge(before, crossing);
                     leaving = Some(crossing);
                 } else {
+                    match leaving.take() {
+                        Some(leaving) => add_edge(leaving, crossing),
+                        None => entering = Some(crossing),
+                    }
                     add_edge(crossing, here);
-                    entering = Some(crossing);
                 }
             }
             corner_before = *corner;
             before = here;
             height_before = height;
         }
-        // The edge along the horizon lies in the element's plane; its Γ is along the normal.
         if let (Some(leaving), Some(entering)) = (leaving, entering) {
             add_edge(leaving, entering);
         }
@@ -170,13 +173,20 @@ impl<R: Real> Part<R> {
         if length(rounded(nearest)) * R::from_f64(NEAR) > size {
             return volume * mean(self.corners.map(|x| corner(x, a)));
         }
-        // Close to the triangle: around the nearest point, from which short ways are known to all their digits.
+        // Close to the triangle: around the nearest point of it and of its sides, from which short ways are known to all their digits.
+        let from_nearest = |corners: [WideVector<R>; 3]| mean(corners.map(|x| corner(x, nearest)));
         let mut sum = R::ZERO;
-        for (i, share) in [R::ONE - s - t, s, t].into_iter().enumerate() {
+        for (share, p, q) in [(R::ONE - s - t, b, c), (s, c, a), (t, a, b)] {
             if share > R::ZERO {
-                let mut corners = self.corners;
-                corners[i] = nearest;
-                sum += share * mean(corners.map(|x| corner(x, nearest)));
+                let side = minus(q, p);
+                let foot = on_grid(nearest_on_side(rounded(p), rounded(side)));
+                let point: WideVector<R> = core::array::from_fn(|i| p[i] + side[i] * foot);
+                if foot > R::ZERO {
+                    sum += share * foot * from_nearest([nearest, p, point]);
+                }
+                if foot < R::ONE {
+                    sum += share * (R::ONE - foot) * from_nearest([nearest, point, q]);
+                }
             }
         }
         volume * sum
@@ -195,22 +205,30 @@ fn nearest_point<R: Real>(a: Vector<R>, u: Vector<R>, v: Vector<R>) -> [R; 2] {
     let (au, av) = (-dot(a, u), -dot(a, v));
     let determinant = uu * vv - uv * uv;
     let (s, t) = ((vv * au - uv * av) / determinant, (uu * av - uv * au) / determinant);
-    let on_side = |x: R| x.clamp(R::ZERO, R::ONE);
     let [s, t] = if s >= R::ZERO && t >= R::ZERO && s + t <= R::ONE {
         [s, t]
     } else {
-        // On the nearest of the three sides.
-        let w = on_side((av - au + uu - uv) / (uu - R::TWO * uv + vv));
-        let candidates = [[on_side(au / uu), R::ZERO], [R::ZERO, on_side(av / vv)], [R::ONE - w, w]];
+        let w = nearest_on_side(add(a, u), subtract(v, u));
+        let candidates = [[nearest_on_side(a, u), R::ZERO], [R::ZERO, nearest_on_side(a, v)], [R::ONE - w, w]];
         let distance = |[s, t]: [R; 2]| {
             let x: Vector<R> = core::array::from_fn(|i| a[i] + s * u[i] + t * v[i]);
             dot(x, x)
         };
         candidates.into_iter().fold(candidates[0], |best, c| if distance(c) < distance(best) { c } else { best })
     };
+    let t = on_grid(t);
+    [on_grid(s).min(R::ONE - t), t]
+}
+
+/// The share of `side` in the way from `start` to the point of the side that is nearest to the origin; zero for a side of no length.
+fn nearest_on_side<R: Real>(start: Vector<R>, side: Vector<R>) -> R {
+    (-dot(start, side) / dot(side, side)).clamp(R::ZERO, R::ONE)
+}
+
+/// The nearest multiple of 4 ε, so that shares and their complements are exact.
+fn on_grid<R: Real>(share: R) -> R {
     let grid = R::from_f64(4.0);
-    let t = (t + grid) - grid;
-    [((s + grid) - grid).min(R::ONE - t), t]
+    (share + grid) - grid
 }
 
 fn minus<R: Real>(a: WideVector<R>, b: WideVector<R>) -> WideVector<R> {
