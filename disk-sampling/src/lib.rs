@@ -3,7 +3,6 @@
 //! What is here: the configuration factor of polygonal lights ([`polygon_configuration_factor`]) and the area-preserving map of the
 //! square to the disk ([`square_to_disk`]). Adaptive subdivision of disks and the closed forms of disks and spheres are to come.
 #![no_std]
-extern crate std;
 
 mod configuration_factor;
 mod map;
