@@ -8,6 +8,7 @@ use spectral_core::Real;
 
 use super::angle::squared_cosine;
 use super::gauss::integrate;
+use super::keeps_digits;
 use crate::vector::{Vector, cross, dot, length};
 
 /// Half angles of an elliptic cone by their sines and cosines.
@@ -47,15 +48,12 @@ impl<R: Real> Cone<R> {
         let cut = Cut::new(*self, &Horizon { normal: n.map(R::abs), ..*horizon });
         let (sum, difference) = cut.closed_form();
         let factor = whole + difference;
-        if factor * R::from_f64(CANCELLATION) >= sum {
+        if keeps_digits(factor, sum) {
             return factor;
         }
         whole + if self.narrow[0] >= self.narrow[1] { cut.by_azimuth() } else { cut.by_planes() }
     }
 }
-
-/// How much smaller than its terms the closed form may come out: 5 bits are lost at most.
-const CANCELLATION: f64 = 32.0;
 
 /// The smaller part of a cone, cut by a horizon above the axis: n = (n_ξ, n_η, −n_ζ), all of `n` ≥ 0.
 struct Cut<R> {
@@ -70,8 +68,7 @@ struct Cut<R> {
     half_angle: R,
     cosine: R,
     sine: R,
-    /// t₀ with its cosine and sine.
-    middle: R,
+    /// cos t₀ and sin t₀.
     middle_cosine: R,
     middle_sine: R,
     /// Cosine and sine of t₁ and t₂.
@@ -103,7 +100,6 @@ impl<R: Real> Cut<R> {
             half_angle: chord.atan2(level),
             cosine,
             sine,
-            middle: y.atan2(x),
             middle_cosine,
             middle_sine,
             first,

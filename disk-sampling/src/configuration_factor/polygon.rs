@@ -3,6 +3,7 @@
 use spectral_core::Real;
 
 use super::double_word::{DoubleWord, WideVector, wide_cross, wide_difference, wide_dot, widened};
+use super::keeps_digits;
 use super::scale::power_of_two;
 use super::triangle::{Corner, clipped_mean, mean};
 use crate::vector::{Vector, add, cross, dot, length, subtract};
@@ -16,8 +17,12 @@ use crate::vector::{Vector, add, cross, dot, length, subtract};
 /// horizon) the integral over triangles takes its place, whose terms are all positive. `corners` run around the polygon either way;
 /// the result is not negative. All lengths in one unit.
 ///
-/// Domain: finite corners, at distances of less than 10³⁰ (`f32`: 10⁷) times the point's from the nearest one. A point in the
-/// polygon's plane gives 0, on the polygon too; fewer than three corners give 0.
+/// Domain: finite corners, fewer than three give 0; a point in the polygon's plane gives 0, on the polygon too. Polygons that are not
+/// quite flat count as the triangles from their first corner. Relative accuracy: 1e-12 (`f32`: 1e-5) of the polygon given by the
+/// rounded corners, whatever its size, distance and tilt, at contact down to distances of 1e-6 (`f32`: 1e-3) of its size, for
+/// factors from 1e-60 (`f32`: 1e-24).
+///
+/// Source: Lambert, "Photometria" (1760); Howell, "A Catalog of Radiation Heat Transfer Configuration Factors".
 pub fn polygon_configuration_factor<R: Real>(point: Vector<R>, normal: Vector<R>, corners: &[Vector<R>]) -> R {
     let Some(view) = View::new(point, corners) else { return R::ZERO };
     let highest = view.relative().fold(-R::ONE, |m, x| m.max(dot(x, normal)));
@@ -26,7 +31,7 @@ pub fn polygon_configuration_factor<R: Real>(point: Vector<R>, normal: Vector<R>
     }
     let (terms, factor) = view.lambert(normal);
     let factor = factor.abs();
-    if terms > R::ZERO && factor * R::from_f64(CANCELLATION) >= terms {
+    if keeps_digits(factor, terms) {
         return factor;
     }
     view.triangles(|part| part.factor(normal, clipped_mean)).abs()
@@ -51,16 +56,12 @@ pub fn polygon_irradiance_vector<R: Real>(point: Vector<R>, corners: &[Vector<R>
         }
         before = here;
     }
-    let scale = R::from_f64(CANCELLATION) * R::TWO * R::PI;
-    if !(length(vector) * scale >= terms) {
+    if !keeps_digits(length(vector) * R::TWO * R::PI, terms) {
         vector = axes.map(|axis| view.triangles(|part| part.factor(axis, mean)));
     }
     let middle = view.relative().fold([R::ZERO; 3], add);
     if dot(vector, middle) < R::ZERO { vector.map(|x| -x) } else { vector }
 }
-
-/// How much smaller than its terms Lambert's sum may come out: 5 bits are lost at most.
-const CANCELLATION: f64 = 32.0;
 
 /// A polygon as seen from a point; lengths are over a power of two.
 struct View<'a, R> {
