@@ -18,8 +18,6 @@ pub(super) struct DoubleWord<R> {
 }
 
 impl<R: Real> DoubleWord<R> {
-    pub(super) const ZERO: Self = Self { high: R::ZERO, low: R::ZERO };
-
     /// `a` + `b` exactly.
     pub(super) fn sum(a: R, b: R) -> Self {
         let high = a + b;
