@@ -2,10 +2,10 @@
 
 use glam::DVec3;
 
-use super::cells::Cells;
-use super::light::{AreaLight, AreaShape, Flat, Light, single};
 use super::material::Material;
 use super::{RenderError, Settings, Whitted};
+use crate::direct::Shape as LightShape;
+use crate::direct::{Blockers, Cells, Flat, Light, Source, single};
 use crate::geometry::{self, Camera, Disk, Parallelogram, Sphere, Surface, World};
 use crate::scene::{Emitter, FovAxis, Geometry, Integrator, Scene, Shape};
 use crate::spectral::{Palette, Role};
@@ -25,6 +25,7 @@ impl Whitted {
         let world = World::new(&surfaces).map_err(|e| RenderError::new(e.to_string()))?;
         let mut result = Self {
             world,
+            blockers: Blockers::new(scene),
             camera: camera(scene, size)?,
             surfaces: materials,
             lights: Vec::new(),
@@ -49,7 +50,8 @@ impl Whitted {
                     *emission = Some(radiance);
                 }
                 let primitive = self.world.primitives(shape.0).start;
-                self.lights.push(Light::Area(AreaLight { shape: area_shape(data)?, radiance, primitive }));
+                let source = Source { shape: area_shape(data)?, primitive };
+                self.lights.push(Light::Area { source, radiance });
             }
             Emitter::Point { position, intensity } => {
                 self.lights.push(Light::Point { position: *position, intensity: light(*intensity) });
@@ -120,17 +122,17 @@ fn surface(geometry: &Geometry) -> Result<Surface, RenderError> {
     })
 }
 
-fn area_shape(shape: &Shape) -> Result<AreaShape, RenderError> {
+fn area_shape(shape: &Shape) -> Result<LightShape, RenderError> {
     match &shape.geometry {
         Geometry::Rectangle { center, half_u, half_v, normal } => {
-            Ok(AreaShape::Rectangle(Flat { centre: *center, u: *half_u, v: *half_v, normal: *normal }))
+            Ok(LightShape::Rectangle(Flat { centre: *center, u: *half_u, v: *half_v, normal: *normal }))
         }
         Geometry::Disk { center, radius, normal } => {
             let (u, v): (DVec3, DVec3) = normal.any_orthonormal_pair();
-            Ok(AreaShape::Disk(Flat { centre: *center, u: u * *radius, v: v * *radius, normal: *normal }))
+            Ok(LightShape::Disk(Flat { centre: *center, u: u * *radius, v: v * *radius, normal: *normal }))
         }
         Geometry::Sphere { center, radius, inward: false } => {
-            Ok(AreaShape::Sphere { centre: *center, radius: *radius })
+            Ok(LightShape::Sphere { centre: *center, radius: *radius })
         }
         _ => Err(RenderError::new(format!(
             "{}: the Whitted renderer has area lights on rectangles, disks and spheres seen from outside alone",
