@@ -5,6 +5,7 @@ pub mod direct;
 pub mod geometry;
 pub mod image;
 pub mod light;
+pub mod luminaire;
 pub mod progress;
 pub mod render;
 pub mod report;

@@ -3,7 +3,7 @@
 //! Along a straight edge the integral is the angle it subtends times the cosine between the receiver's normal and the normal of the
 //! plane through edge and receiver. Along an arc of a circle it is that of a quotient of trigonometric polynomials.
 
-use core::f64::consts::{PI, TAU};
+use core::f64::consts::TAU;
 
 use glam::DVec3;
 
@@ -107,7 +107,7 @@ impl Circle {
         // The nearest pole is at the angle arcosh(squared / amplitude) off the real axis.
         let amplitude = p.hypot(q);
         let nearest = self.nearest();
-        let off = ((squared - amplitude).max(nearest) / amplitude).min(1e6);
+        let off = (nearest / amplitude).min(1e6);
         let pole = (off + (off * (off + 2.0)).sqrt()).ln_1p();
         let parts = (turn / (2.0 * REACH * pole)).ceil();
         if parts > MOST_PARTS {
@@ -149,7 +149,7 @@ impl Circle {
             let turns = (psi / TAU).round();
             2.0 * (((psi - turns * TAU) / 2.0).tan() * (near / far).sqrt()).atan() + turns * TAU
         };
-        let logarithm = |psi: f64| (squared + amplitude * psi.cos()).max(near).ln();
+        let logarithm = |psi: f64| (near + 2.0 * amplitude * (psi / 2.0).cos().powi(2)).ln();
         let straight = (area - squared * b / amplitude) / root * (angle(last) - angle(first));
         b / amplitude * turn + straight - c / amplitude * (logarithm(last) - logarithm(first))
     }
@@ -203,6 +203,3 @@ fn chord(from: [f64; 2], to: [f64; 2]) -> Option<Chord> {
 pub(super) fn factor(sum: f64) -> f64 {
     (sum / TAU).abs().min(1.0)
 }
-
-/// A hemisphere's irradiance over its radiance.
-pub(super) const HEMISPHERE: f64 = PI;

@@ -77,9 +77,9 @@ impl Panel {
         }
     }
 
-    /// The point for a point of the unit square, a little inside the edge.
-    pub(super) fn point(&self, square: [f64; 2]) -> DVec3 {
-        let [x, y] = square.map(|x| (x - 0.5) * (1.0 - INSET) + 0.5);
+    /// The point for a point of the unit square, inside the edge by half the share `inset` of the size.
+    pub(super) fn point(&self, square: [f64; 2], inset: f64) -> DVec3 {
+        let [x, y] = square.map(|x| (x - 0.5) * (1.0 - inset) + 0.5);
         match self {
             Self::Rectangle(flat) => flat.at([2.0 * x - 1.0, 2.0 * y - 1.0]),
             Self::Round { flat, .. } => flat.at(square_to_disk([x, y])),
@@ -184,7 +184,7 @@ impl<'w> Lattice<'w> {
         let last = f64::from(1_u32 << MAX_LEVEL);
         #[allow(clippy::cast_precision_loss, reason = "at most 16")]
         let square = [column as f64 / last, row as f64 / last];
-        let seen = self.panel.sees(self.panel.point(square), self.primitive, self.receiver, self.world);
+        let seen = self.panel.sees(self.panel.point(square, INSET), self.primitive, self.receiver, self.world);
         self.known[row][column] = Some(seen);
         seen
     }
@@ -215,7 +215,7 @@ impl<'w> Lattice<'w> {
         let last = f64::from(1_u32 << MAX_LEVEL);
         #[allow(clippy::cast_precision_loss, reason = "at most 16")]
         let [x, y] = [column, row].map(|c| (c as f64 + width as f64 / 2.0) / last);
-        let middle = self.panel.point([x, y]);
+        let middle = self.panel.point([x, y], INSET);
         let side = f64::from(1_u32 << level);
         let weight = self.panel.density(middle, self.receiver) / (side * side);
         #[allow(clippy::cast_precision_loss, reason = "at most 4")]

@@ -9,6 +9,7 @@ use super::lattice::Lattice;
 use super::source::{Receiver, Seen, Source, single};
 use super::visible::{Cover, Scratch, unblocked_factor, visible_factor};
 use crate::geometry::World;
+use crate::luminaire::PlacedLuminaire;
 use crate::spectral::Factor;
 
 /// A light.
@@ -26,6 +27,13 @@ pub enum Light {
         /// Where it is.
         position: DVec3,
         /// Intensity.
+        intensity: Factor,
+    },
+    /// A point light with a distribution of its own.
+    Luminaire {
+        /// Where and how it hangs, and its intensity in cd by direction.
+        luminaire: PlacedLuminaire,
+        /// Intensity for each candela.
         intensity: Factor,
     },
     /// Parallel light.
@@ -61,7 +69,7 @@ impl Light {
     pub const fn factor(&self) -> Factor {
         match self {
             Self::Area { radiance, .. } => *radiance,
-            Self::Point { intensity, .. } => *intensity,
+            Self::Point { intensity, .. } | Self::Luminaire { intensity, .. } => *intensity,
             Self::Directional { irradiance, .. } => *irradiance,
         }
     }
@@ -83,6 +91,11 @@ impl Light {
             Self::Point { position, .. } => {
                 if let Some(part) = from_point(*position, around.world, receiver) {
                     receive(part);
+                }
+            }
+            Self::Luminaire { luminaire, .. } => {
+                if let Some(Part { direction, irradiance }) = from_point(luminaire.position, around.world, receiver) {
+                    receive(Part { direction, irradiance: irradiance * luminaire.candela(-direction) });
                 }
             }
             Self::Directional { direction, .. } => {

@@ -8,18 +8,23 @@
 //!
 //! Closed forms work in `f64` from the scene's own geometry; shadow rays in the precision of the [`World`](crate::geometry::World).
 
+mod adaptive;
 mod blocker;
 mod cells;
 mod contour;
+mod estimate;
 mod lattice;
 mod light;
 mod pieces;
+mod scene;
 mod source;
 mod visible;
 
 pub use blocker::Blockers;
 pub(crate) use cells::{Cells, KnownCells};
+pub use estimate::{Estimate, Way, visible_configuration_factor};
 pub use light::{Light, Part, Surroundings};
+pub use scene::{sources, world};
 pub(crate) use source::single;
 pub use source::{Flat, Receiver, Shape, Source};
 pub use visible::{Cover, Scratch};
