@@ -3,6 +3,7 @@
 pub mod compare;
 pub mod direct;
 pub mod geometry;
+pub mod illuminance;
 pub mod image;
 pub mod light;
 pub mod luminaire;

@@ -6,7 +6,7 @@ use std::collections::{BinaryHeap, HashMap};
 
 use super::lattice::{Panel, Sight};
 use super::source::{Receiver, Source};
-use crate::geometry::World;
+use crate::geometry::{NO_PRIMITIVE, World};
 use crate::spectral::PairHasher;
 
 /// Cells are at least 1/2 to this power as wide as the light, and at most 1/2 to the other.
@@ -43,6 +43,12 @@ impl<'w> Probe<'w> {
     pub(super) fn new(world: &'w World, receiver: &'w Receiver, source: &Source) -> Self {
         let panel = Panel::new(&source.shape, receiver.position);
         Self { world, receiver, panel, primitive: source.primitive }
+    }
+
+    /// The environment around a receiver.
+    pub(super) fn of_sky(world: &'w World, receiver: &'w Receiver) -> Self {
+        let panel = Panel::Sky { position: receiver.position, up: receiver.normal };
+        Self { world, receiver, panel, primitive: NO_PRIMITIVE }
     }
 
     fn sight(&self, square: [f64; 2]) -> Sight {
