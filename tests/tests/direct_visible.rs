@@ -4,11 +4,11 @@
 use core::f64::consts::PI;
 
 use renderers::direct::{
-    Blockers, Estimate, Receiver, Scratch, Shape, Source, Surroundings, Way, sources, visible_configuration_factor,
-    world,
+    Blockers, Estimate, Flat, Receiver, Scratch, Shape, Source, Surroundings, Way, sources,
+    visible_configuration_factor, world,
 };
-use renderers::geometry::World;
 use renderers::geometry::glam::{DQuat, DVec3};
+use renderers::geometry::{NO_PRIMITIVE, World};
 use renderers::scene::{Scene, load};
 use spectral_tests::statistics::Rng;
 
@@ -444,4 +444,40 @@ fn shadow_rays_say_how_far_they_are_off() {
         }
     }
     assert!(outside <= all / 100, "{outside} of {all}");
+}
+
+/// `independent`: the closed forms of disks and spheres in `disk-sampling`, by other formulae, for receivers that see them cut by their
+/// horizon, from nearby and from afar.
+#[test]
+fn round_lights_agree_with_their_closed_forms() {
+    let mut rng = Rng::new(3);
+    let mut cut = 0;
+    for case in 0..4000 {
+        let size = 10.0_f64.powf(3.0 * rng.unit() - 2.0);
+        let (axis, tilt) = (DVec3::from_array(rng.direction()), DVec3::from_array(rng.direction()));
+        let position = DVec3::from_array(rng.direction()) * (0.05 + 2.0 * rng.unit());
+        let (u, v) = axis.any_orthonormal_pair();
+        let flat = Flat { centre: DVec3::ZERO, u: u * size, v: v * size, normal: axis };
+        let disk = disk_sampling::Disk::new([0.0; 3], axis.to_array(), size).unwrap();
+        let sphere = disk_sampling::Sphere::new([0.0; 3], size).unwrap();
+        let element = disk_sampling::Receiver::new(position.to_array(), tilt.to_array()).unwrap();
+        let (shape, expected) = if case % 2 == 0 {
+            (Shape::Disk(flat), disk_sampling::disk_configuration_factor(&disk, &element))
+        } else if position.length() > size {
+            let centre = DVec3::ZERO;
+            (Shape::Sphere { centre, radius: size }, disk_sampling::sphere_configuration_factor(&sphere, &element))
+        } else {
+            continue;
+        };
+        let world = World::new(&[]).unwrap();
+        let blockers = Blockers::default();
+        let around = Surroundings { world: &world, blockers: &blockers };
+        let receiver = Receiver::new(position, tilt, &world);
+        let source = Source { shape, primitive: NO_PRIMITIVE };
+        let found = visible_configuration_factor(&source, around, &receiver, 1e-3, &mut Scratch::default());
+        let height = -position.dot(tilt);
+        cut += u32::from(height.abs() < size && expected > 0.0);
+        assert_near(found.factor, expected, 1e-13 + found.error);
+    }
+    assert!(cut > 500, "{cut}");
 }
