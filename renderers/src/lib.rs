@@ -1,5 +1,7 @@
 //! Reference renderers on `spectral-core`, with scenes, images and reports: what the `spectral` command is made of.
 
+extern crate alloc;
+
 pub mod compare;
 pub mod direct;
 pub mod geometry;
