@@ -3,7 +3,9 @@
 extern crate alloc;
 
 pub mod compare;
+pub mod direct;
 pub mod geometry;
+pub mod illuminance;
 pub mod image;
 pub mod light;
 pub mod luminaire;
