@@ -5,6 +5,7 @@ pub mod geometry;
 pub mod image;
 pub mod light;
 pub mod progress;
+pub mod radiosity;
 pub mod render;
 pub mod report;
 pub mod scene;
