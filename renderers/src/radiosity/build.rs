@@ -15,9 +15,9 @@ const PASSES: i32 = 3;
 /// The error of the solutions that refinement looks at.
 const ROUGH: f64 = 1e-3;
 /// The flux that a link may put in the wrong place, as a share of all, over the accuracy asked for.
-const LINK_SHARE: f64 = 0.3;
+const LINK_SHARE: f64 = 0.01;
 /// The same for a light and a patch.
-const SOURCE_SHARE: f64 = 0.3;
+const SOURCE_SHARE: f64 = 0.03;
 
 /// Luminous values of sides and lights: what refinement looks at.
 pub(super) struct Builder<'s> {

@@ -1,6 +1,5 @@
 //! The light that two unblocked polygons exchange, by the cheapest formula that is accurate enough.
 
-use disk_sampling::polygon_configuration_factor;
 use glam::DVec3;
 
 use super::contour::contour_exchange;
@@ -33,17 +32,7 @@ pub(super) fn exchange(p: &Polygon, q: &Polygon, slack: f64, tolerance: f64) -> 
     if others <= FEW_NODES {
         return by_points(small, nodes, large, others);
     }
-    over_points(small, nodes, |x, w| w * factor(x, small.normal, large))
-}
-
-/// The configuration factor of a polygon, all of it in front, at an element.
-fn factor(point: DVec3, normal: DVec3, polygon: &Polygon) -> f64 {
-    let mut corners = [[0.0; 3]; super::polygon::MOST_CORNERS];
-    let own = polygon.corners();
-    for (to, from) in corners.iter_mut().zip(own) {
-        *to = from.to_array();
-    }
-    polygon_configuration_factor(point.to_array(), normal.to_array(), &corners[..own.len()])
+    over_points(small, nodes, |x, w| w * large.configuration_factor(x, small.normal))
 }
 
 /// Nodes a side for a polygon whose points are at least `gap` from what makes the integrand large.

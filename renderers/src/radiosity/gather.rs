@@ -1,11 +1,11 @@
 //! Irradiance at any place from the patches, each in closed form.
 
-use disk_sampling::{Receiver, polygon_configuration_factor};
+use disk_sampling::Receiver;
 use glam::DVec3;
 
 use super::Solution;
 use super::mesh::{Node, Patches};
-use super::polygon::{MOST_CORNERS, Polygon};
+use super::polygon::Polygon;
 use super::sight::{Sight, shaft_end, spread, surface_point};
 use crate::geometry::{Shaft, ShaftEnd, SurfacePoint};
 
@@ -14,7 +14,7 @@ const DEPTH: u32 = 24;
 /// Rays for a part that is too small to be split.
 const RAYS: u32 = 4;
 /// Patches that may be taken for one are those that change the result by less than this share of the accuracy each.
-const SHARE: f64 = 0.1;
+const SHARE: f64 = 0.03;
 
 /// A receiver, ready for rays.
 pub(super) struct Place<'s> {
@@ -39,12 +39,7 @@ impl<'s> Place<'s> {
         if height <= 10.0 * self.patches.slack {
             return 0.0;
         }
-        let mut corners = [[0.0; 3]; MOST_CORNERS];
-        let own = polygon.corners();
-        for (to, from) in corners.iter_mut().zip(own) {
-            *to = from.to_array();
-        }
-        polygon_configuration_factor(self.position.to_array(), self.normal.to_array(), &corners[..own.len()])
+        polygon.configuration_factor(self.position, self.normal)
     }
 
     fn sight(&self, polygon: &Polygon, primitive: u32) -> Sight {

@@ -59,7 +59,7 @@ pub struct Settings {
 
 impl Default for Settings {
     fn default() -> Self {
-        Self { accuracy: 1e-3, residual: 1e-8, bounces: None, memory: 2 << 30 }
+        Self { accuracy: 3e-3, residual: 1e-8, bounces: None, memory: 2 << 30 }
     }
 }
 
@@ -226,7 +226,7 @@ impl Radiosity {
             return Ok(());
         }
         let all = |i: usize| system.reflectance.iter().skip(i).step_by(system.width).all(|r| *r >= 1.0);
-        if (0..system.width).any(all) { Err(RadiosityError::NoSolution) } else { Ok(()) }
+        if !system.reflectance.is_empty() && (0..system.width).any(all) { Err(RadiosityError::NoSolution) } else { Ok(()) }
     }
 
     /// Notes residual and energy balance.

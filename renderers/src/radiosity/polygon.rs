@@ -1,5 +1,6 @@
 //! Convex polygons: what patches are made of.
 
+use disk_sampling::polygon_configuration_factor;
 use glam::DVec3;
 
 /// The most corners of a polygon.
@@ -157,6 +158,39 @@ impl Polygon {
             sum += 2.0 * volume.atan2(x * y * z + a.dot(b) * z + b.dot(c) * x + c.dot(a) * y);
         }
         sum
+    }
+
+    /// The configuration factor at an element that nothing hides it from: irradiance over π times radiance. The point must be in front.
+    ///
+    /// Lambert's formula, over the edges; what the element's horizon cuts off is left to the general function.
+    pub(super) fn configuration_factor(&self, point: DVec3, normal: DVec3) -> f64 {
+        let mut ways = [DVec3::ZERO; MOST_CORNERS];
+        let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+        for (way, corner) in ways.iter_mut().zip(self.corners()) {
+            *way = *corner - point;
+            let height = way.dot(normal);
+            (low, high) = (low.min(height), high.max(height));
+        }
+        if !(high > 0.0) {
+            return 0.0;
+        }
+        let ways = &ways[..self.count];
+        if low < 0.0 {
+            let mut corners = [[0.0; 3]; MOST_CORNERS];
+            corners.iter_mut().zip(self.corners()).for_each(|(to, from)| *to = from.to_array());
+            return polygon_configuration_factor(point.to_array(), normal.to_array(), &corners[..self.count]);
+        }
+        let mut sum = 0.0;
+        let Some(mut before) = ways.last() else { return 0.0 };
+        for way in ways {
+            let across = before.cross(*way);
+            let sine = across.length();
+            if sine > 0.0 {
+                sum += sine.atan2(before.dot(*way)) * across.dot(normal) / sine;
+            }
+            before = way;
+        }
+        sum.abs() / core::f64::consts::TAU
     }
 
     /// Least distance of a point from the polygon.
