@@ -60,6 +60,11 @@ impl Components {
         Ok(Self { reflections: Some(reflections), ..naive })
     }
 
+    /// The components of a leaf of the palette; `None` if there is no such leaf.
+    pub fn components(&self, leaf: u32) -> Option<&[f64; 3]> {
+        self.leaves.get(leaf as usize)
+    }
+
     fn apply(&self, leaf: u32, light: Rgb) -> Rgb {
         let leaf = leaf as usize;
         if let Some(reflection) = self.reflections.as_ref().and_then(|r| r.get(leaf)) {
