@@ -9,4 +9,5 @@ pub mod render;
 pub mod report;
 pub mod scene;
 pub mod spectral;
+pub mod verify;
 pub mod whitted;
