@@ -4,6 +4,7 @@ pub mod compare;
 pub mod geometry;
 pub mod image;
 pub mod light;
+pub mod luminaire;
 pub mod progress;
 pub mod render;
 pub mod report;
