@@ -38,7 +38,8 @@ def points(lines):
             yield int(caption.group(1)), rows
             rows, row = [], 0
         cells = [cell.strip() for cell in line.rstrip("\n").split("\t")]
-        while cells and not cells[0]:
+        # The row's number is a cell of its own, or in front of the label, or absent.
+        while cells and (not cells[0] or cells[0].isdigit() and len(cells) > 1 and label(cells[1])[0]):
             cells.pop(0)
         kind, _ = label(cells[0]) if cells else (None, None)
         row += kind == "TE UL"

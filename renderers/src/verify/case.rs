@@ -14,6 +14,16 @@ pub enum Work {
     Global,
     /// One of the methods that place samples on a disk light; other programs have no part in it.
     Method(super::disk::Sampling),
+    /// The share in per cent of a method's samples that miss the disk when they are spread over their parts (dj = 1).
+    Misses(super::disk::Sampling),
+}
+
+impl Work {
+    /// Whether any renderer can compute it: illuminance in a scene.
+    #[must_use]
+    pub const fn is_scene(&self) -> bool {
+        matches!(self, Self::Direct | Self::Global)
+    }
 }
 
 /// A scene with the points where illuminance is asked for, and what is expected there.
@@ -36,7 +46,7 @@ pub struct Case {
 /// One expected number.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Check {
-    /// Name within the case, such as `A` or `A.printed`.
+    /// Name within the case, such as `A` or `A.printed`; empty where a case has only one.
     pub name: String,
     /// What the number is, with its unit.
     pub quantity: &'static str,
@@ -177,6 +187,12 @@ impl Case {
         self.checks.iter().map(|check| self.outcome(check, answers)).collect()
     }
 
+    /// The name of a check among all: the case's and its own, joined by a dot.
+    #[must_use]
+    pub fn row_name(&self, check: &Check) -> String {
+        if check.name.is_empty() { self.name.clone() } else { format!("{}.{}", self.name, check.name) }
+    }
+
     fn outcome(&self, check: &Check, answers: &Result<Vec<Answer>, String>) -> Outcome {
         let found = match answers {
             Ok(answers) => check.reduction.apply(answers).ok_or_else(|| "no answer".to_owned()),
@@ -186,7 +202,7 @@ impl Case {
         let allowed = check.tolerance.around(reference);
         let magnitude = if reference == 0.0 { 1.0 } else { reference.abs() };
         let mut outcome = Outcome {
-            name: format!("{}.{}", self.name, check.name),
+            name: self.row_name(check),
             quantity: check.quantity,
             reference,
             computed: None,
@@ -246,23 +262,14 @@ impl Reduction {
             }
             Self::Sum { weights, less } => {
                 let parts = weights.iter().zip(less);
-                let terms = parts.enumerate().map(|(index, (weight, less))| {
-                    Some(weight * (answers.get(index)?.illuminance? - less))
-                });
+                let terms = parts
+                    .enumerate()
+                    .map(|(index, (weight, less))| Some(weight * (answers.get(index)?.illuminance? - less)));
                 let value = terms.sum::<Option<f64>>()?;
                 let samples = answers.iter().map(|answer| answer.samples).sum();
                 let seconds = answers.iter().map(|answer| answer.seconds).sum();
                 Some(Reduced { value, samples, seconds })
             }
-        }
-    }
-
-    /// The names of points that it needs, as indices.
-    #[must_use]
-    pub fn needs(&self, index: usize) -> bool {
-        match self {
-            Self::Point { index: own, .. } => *own == index,
-            Self::Sum { .. } => true,
         }
     }
 }
@@ -281,8 +288,15 @@ mod tests {
     fn case(reference: f64, tolerance: Tolerance, standing: Standing) -> Case {
         let reduction = Reduction::Point { index: 0, scale: 2.0 };
         let provenance = Provenance::Recomputed("by hand");
-        let check =
-            Check { name: "A".into(), quantity: "illuminance, lx", reduction, reference, provenance, tolerance, standing };
+        let check = Check {
+            name: "A".into(),
+            quantity: "illuminance, lx",
+            reduction,
+            reference,
+            provenance,
+            tolerance,
+            standing,
+        };
         let points = vec![SensorPoint::new("A", [0.0; 3], [0.0, 0.0, 1.0])];
         let model = Model::default();
         Case { name: "test".into(), about: String::new(), model, points, work: Work::Direct, checks: vec![check] }

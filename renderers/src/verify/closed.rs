@@ -153,9 +153,10 @@ fn flux() -> Case {
         tolerance: Tolerance::relative(1e-3),
         standing: Standing::Judged,
     };
-    let about = "Flux: Lambertian square of 1 m and 1000 lm, 3 m above the floor of a black room of 4 m × 4 m; illuminance at \
+    let about =
+        "Flux: Lambertian square of 1 m and 1000 lm, 3 m above the floor of a black room of 4 m × 4 m; illuminance at \
                  Gauss–Legendre nodes on floor and walls sums to the flux. 0.1 % asked for."
-        .into();
+            .into();
     Case { name: "flux.black-room".into(), about, model, points, work: Work::Direct, checks: vec![check] }
 }
 

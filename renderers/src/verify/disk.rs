@@ -68,7 +68,9 @@ fn samplings() -> impl Iterator<Item = Sampling> {
     let squares = [Method::Square, Method::MappedSquare].map(|method| Sampling { method, count: 64 });
     let counts = [6, 24, 96, 384, 1536];
     let hexagons = [Method::Hexagon, Method::EqualAreaHexagon];
-    squares.into_iter().chain(hexagons.into_iter().flat_map(move |method| counts.map(|count| Sampling { method, count })))
+    squares
+        .into_iter()
+        .chain(hexagons.into_iter().flat_map(move |method| counts.map(|count| Sampling { method, count })))
 }
 
 impl Setup {
@@ -114,7 +116,21 @@ fn printed() -> Vec<Case> {
         let checks = vec![check("", printed, Provenance::Published(source), Tolerance::relative(2e-4))];
         setup.case(name, "Samples as printed, without jitter.", Work::Method(Sampling { method, count }), checks)
     };
-    rows.map(case).into()
+    rows.into_iter().map(case).chain(jittered()).collect()
+}
+
+/// The expected share of misses when samples are spread over their parts, table 2.1, column "exp. error" with dj = 1.
+fn jittered() -> impl Iterator<Item = Case> {
+    let rows = [(Method::Square, 64, 9.06), (Method::Hexagon, 96, 3.72)];
+    rows.into_iter().map(|(method, count, printed)| {
+        let name = format!("disk.table-2.1.{}-{count}-jittered", method.name());
+        let provenance = Provenance::Published("thesis, table 2.1, expected error with dj = 1");
+        // Half a printed unit, and a tenth of that for the numbers that spread the samples.
+        let tolerance = Tolerance { relative: 0.0, absolute: 1.1 * half_printed_unit(2) };
+        let mut row = check("", printed, provenance, tolerance);
+        row.quantity = "samples that miss, %";
+        LOW.case(name, "Samples spread over their parts.", Work::Misses(Sampling { method, count }), vec![row])
+    })
 }
 
 /// Each method as constructed without any of the tricks that make it fast; tolerance: rounding of a sum of `count` terms.
@@ -232,13 +248,7 @@ fn hexagon_to_disk([x, y]: [f64; 2]) -> [f64; 2] {
 }
 
 /// Φ / (π N) Σ cos θ cos θ′ / d² over the samples that hit.
-fn estimate(
-    samples: &[Option<[f64; 2]>],
-    centre: Vec3,
-    axis: Vec3,
-    radius: f64,
-    (point, normal): (Vec3, Vec3),
-) -> f64 {
+fn estimate(samples: &[Option<[f64; 2]>], centre: Vec3, axis: Vec3, radius: f64, (point, normal): (Vec3, Vec3)) -> f64 {
     let term = |&[x, y]: &[f64; 2]| {
         // The disks here are horizontal.
         let to = along([centre[0] + radius * x, centre[1] + radius * y, centre[2]], -1.0, point);
@@ -280,7 +290,7 @@ mod tests {
     #[test]
     fn constructions_give_tables_2_1_and_2_2() {
         for case in super::printed() {
-            let super::Work::Method(sampling) = case.work else { unreachable!() };
+            let super::Work::Method(sampling) = case.work else { continue };
             let setup = if case.name.contains("2.1") { &LOW } else { &WIDE };
             let found = construction("", setup, sampling).checks[0].reference;
             let printed = &case.checks[0];

@@ -54,7 +54,13 @@ fn cosine() -> Case {
         (point, if degrees < 90.0 { 250.0 * cosine } else { 0.0 })
     };
     let rows = [0.0, 15.0, 30.0, 45.0, 60.0, 75.0, 85.0, 89.0, 95.0].map(row).into();
-    case("point.cosine", "Isotropic point of 1000 cd, 2 m away; tilted by degrees.", point_light(), "I cos θ / d²", rows)
+    case(
+        "point.cosine",
+        "Isotropic point of 1000 cd, 2 m away; tilted by degrees.",
+        point_light(),
+        "I cos θ / d²",
+        rows,
+    )
 }
 
 /// A Lambertian square of 1 m and 1000 lm, 3 m above the floor, facing down.
@@ -120,7 +126,8 @@ fn occluded() -> Case {
         (SensorPoint::new(format!("x{x:+}"), [x, 0.0, 0.0], [0.0, 0.0, 1.0]), 1000.0 * factor)
     };
     let rows = [-0.6, -0.4, -0.25, 0.0, 0.1, 0.25, 0.4, 0.6].map(row).into();
-    let about = "The same square light over a black screen 1.5 m up, whose edge at x = 0 throws a penumbra on the floor.";
+    let about =
+        "The same square light over a black screen 1.5 m up, whose edge at x = 0 throws a penumbra on the floor.";
     case("area.penumbra", about, model, "thesis eq. 1.2 over the visible part", rows)
 }
 

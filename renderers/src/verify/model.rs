@@ -203,7 +203,8 @@ mod tests {
     fn flat_rectangles_face_as_asked() {
         for axis in 0..3 {
             for facing in [1.0, -1.0] {
-                let Shape::Rectangle { centre, half_u, half_v } = flat(axis, 2.0, [0.0, 1.0], [3.0, 5.0], facing) else {
+                let Shape::Rectangle { centre, half_u, half_v } = flat(axis, 2.0, [0.0, 1.0], [3.0, 5.0], facing)
+                else {
                     unreachable!()
                 };
                 assert!(cross(half_u, half_v)[axis] * facing > 0.0);

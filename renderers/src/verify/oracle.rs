@@ -29,7 +29,8 @@ pub(crate) fn perpendicular_rectangle(height: f64, depth: [f64; 2], across: [f64
         let p = (1.0 + x * x).sqrt();
         (y.atan() - (y / p).atan() / p) / TAU
     };
-    corner(depth[1], across[1]) - corner(depth[0], across[1]) - corner(depth[1], across[0]) + corner(depth[0], across[0])
+    corner(depth[1], across[1]) - corner(depth[0], across[1]) - corner(depth[1], across[0])
+        + corner(depth[0], across[0])
 }
 
 /// Configuration factor from an element to the front of a disk, by Lambert's contour integral

@@ -124,8 +124,7 @@ fn obstructed() -> Scenario {
     let misprints = [20.941, 21.187, 19.946, 17.284, 14.053, 9.751];
     let from_the_top = [2.75, 2.25, 1.75, 1.25, 0.75, 0.25];
     for (((z, name), printed), wrong) in from_the_top.into_iter().zip("ABCDEF".chars()).zip(walls).zip(misprints) {
-        let expected =
-            Expected { exact: 100.0 * vertical(z), printed: Some((printed, 3)), misprint: Some(wrong) };
+        let expected = Expected { exact: 100.0 * vertical(z), printed: Some((printed, 3)), misprint: Some(wrong) };
         points.push((SensorPoint::new(name, [0.0, 0.0, z], [1.0, 0.0, 0.0]), expected));
     }
     let floor = [3.382, 3.629, 3.013, 0.0, 0.0].into_iter();
@@ -248,7 +247,13 @@ mod tests {
                 let decimals = if check.tolerance.absolute < 1e-3 { 3 } else { 2 };
                 let difference = (own.reference - check.reference).abs();
                 // 35.9005 and 21.6385 round either way.
-                assert!(difference <= half_printed_unit(decimals) * 1.02, "{}.{} {}", case.name, check.name, own.reference);
+                assert!(
+                    difference <= half_printed_unit(decimals) * 1.02,
+                    "{}.{} {}",
+                    case.name,
+                    check.name,
+                    own.reference
+                );
                 seen += 1;
             }
         }

@@ -75,7 +75,7 @@ const FLOOR: f64 = 0.06;
 /// The folder holds `cfl-1.ies` … `cfl-4.ies`, `opal-1.ies` … and `ssr-1.ies` …, or the same as `.ldt`; a kind of which all
 /// four are there is judged, others keep their stand-ins.
 #[must_use]
-pub fn cases(photometry: Option<&Path>) -> Vec<Case> {
+pub(super) fn cases(photometry: Option<&Path>) -> Vec<Case> {
     ROOMS.iter().map(|room| room.case(photometry)).collect()
 }
 
@@ -297,7 +297,8 @@ mod tests {
         for case in cases(None) {
             assert_eq!(case.points.len(), 49);
             assert_eq!(case.checks.len(), 1 + 2 * 49);
-            let stand_in = |standing: &Standing| matches!(standing, Standing::Informative(why) if why.contains("stand-in"));
+            let stand_in =
+                |standing: &Standing| matches!(standing, Standing::Informative(why) if why.contains("stand-in"));
             assert!(case.checks.iter().all(|check| stand_in(&check.standing)));
         }
     }
