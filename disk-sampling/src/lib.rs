@@ -11,7 +11,9 @@ pub mod partition;
 mod shape;
 mod vector;
 
-pub use configuration_factor::polygon_configuration_factor;
+pub use configuration_factor::{
+    disk_configuration_factor, disk_irradiance_vector, polygon_configuration_factor, sphere_configuration_factor,
+};
 pub use map::{
     disk_to_hexagon, disk_to_square, disk_to_square_elliptical, disk_to_square_polar, hexagon_to_disk,
     hexagon_to_disk_pdf, square_to_disk, square_to_disk_elliptical, square_to_disk_elliptical_pdf, square_to_disk_pdf,
