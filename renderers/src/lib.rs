@@ -1,6 +1,7 @@
 //! Reference renderers on `spectral-core`, with scenes, images and reports: what the `spectral` command is made of.
 
 pub mod compare;
+pub mod direct;
 pub mod geometry;
 pub mod image;
 pub mod light;
