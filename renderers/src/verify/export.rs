@@ -94,10 +94,11 @@ Points that are left out are skipped, never passed; with names of cases before `
     oconv CASE/scene.rad > CASE/scene.oct
     rtrace -I -h -ab 0 -dt 0 -dj 0 -ds 0.02 CASE/scene.oct < CASE/points.txt                          # direct light
     rtrace -I -h -ab 1 -aa 0 -ad 100000 -lw 0 -lr 1 CASE/scene.oct < CASE/points.txt                  # cie-171.5.6, 5.7
-    rtrace -I -h -ab 400 -aa 0 -ad 8 -lw 1e-3 -lr 400 -dt 0 CASE/scene.oct < CASE/points.txt          # cie-171.5.8, 4.x
+    rtrace -I -h -ab 400 -aa 0 -ad 8 -lw 1e-3 -lr -400 -dt 0 CASE/scene.oct < CASE/points.txt         # cie-171.5.8, 4.x
 
 The three numbers of a line are equal; no factor of 179 belongs to them. A point light is a sphere of 1 cm radius, parallel
-light a source of 1 degree. `tests/peers/verify_radiance.py` of the project does all this.
+light a source of 1 degree. Under area lights give each point a run of its own: in Radiance 6.0a a receiver whose horizon cuts
+a disk light makes that light vanish for later points. `tests/peers/verify_radiance.py` of the project does all this.
 
 ## Mitsuba 3
 

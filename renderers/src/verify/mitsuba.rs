@@ -71,8 +71,8 @@ pub fn plain_scene(model: &Model, points: &[SensorPoint], about: &str, depth: i3
             Light::Photometric { .. } => return None,
         };
     }
-    for sensor in points {
-        meter(&mut xml, sensor);
+    for (index, sensor) in points.iter().enumerate() {
+        meter(&mut xml, sensor, index);
     }
     xml += "</scene>\n";
     Some(xml)
@@ -127,14 +127,15 @@ fn shape(xml: &mut String, shape: &Shape, reflectance: f64, emitter: &str) {
     let _ = writeln!(xml, "  <shape type=\"{kind}\">\n    {place}\n    {bsdf}{emitter}\n  </shape>");
 }
 
-/// A tiny black rectangle that measures irradiance.
-fn meter(xml: &mut String, sensor: &SensorPoint) {
+/// A tiny black rectangle that measures irradiance. Each has a seed of its own: Mitsuba makes one of sensors that are
+/// alike but for their ids, and then refuses it for belonging to several shapes.
+fn meter(xml: &mut String, sensor: &SensorPoint, seed: usize) {
     let (u, v) = frame(sensor.normal);
     let tiny = |a: Vec3| a.map(|x| x * METER);
     let _ = writeln!(
         xml,
         "  <shape type=\"rectangle\">\n    {}\n    {}<sensor type=\"irradiancemeter\" id=\"{}\"><sampler \
-         type=\"independent\"><integer name=\"sample_count\" value=\"$spp\"/></sampler><film type=\"hdrfilm\"><integer \
+         type=\"independent\"><integer name=\"sample_count\" value=\"$spp\"/><integer name=\"seed\" value=\"{seed}\"/></sampler><film type=\"hdrfilm\"><integer \
          name=\"width\" value=\"1\"/><integer name=\"height\" value=\"1\"/><string name=\"pixel_format\" \
          value=\"luminance\"/><rfilter type=\"box\"/></film></sensor>\n  </shape>",
         matrix(tiny(u), tiny(v), sensor.normal, sensor.position),
