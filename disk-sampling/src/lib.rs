@@ -4,6 +4,7 @@
 //! - Continuous maps with densities and inverses: [`square_to_disk`] and its relatives.
 //! - Configuration factors in closed form: [`polygon_configuration_factor`].
 #![no_std]
+extern crate std;
 
 mod configuration_factor;
 mod map;

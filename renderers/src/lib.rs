@@ -1,8 +1,11 @@
 //! Reference renderers on `spectral-core`, with scenes, images and reports: what the `spectral` command is made of.
 
+extern crate alloc;
+
 pub mod compare;
 pub mod direct;
 pub mod geometry;
+pub mod illuminance;
 pub mod image;
 pub mod light;
 pub mod luminaire;

@@ -4,11 +4,11 @@
 use core::f64::consts::PI;
 
 use renderers::direct::{
-    Blockers, Estimate, Receiver, Scratch, Shape, Source, Surroundings, Way, sources, visible_configuration_factor,
-    world,
+    Blockers, Estimate, Flat, Receiver, Scratch, Shape, Source, Surroundings, Way, sources,
+    visible_configuration_factor, world,
 };
-use renderers::geometry::World;
 use renderers::geometry::glam::{DQuat, DVec3};
+use renderers::geometry::{NO_PRIMITIVE, World};
 use renderers::scene::{Scene, load};
 use spectral_tests::statistics::Rng;
 
@@ -40,6 +40,10 @@ impl Setting {
         Surroundings { world: &self.world, blockers: &self.blockers }
     }
 
+    fn receiver(&self, position: DVec3, normal: DVec3) -> Receiver {
+        Receiver::new(position, normal.normalize(), &self.world)
+    }
+
     /// The sum over the light's sources.
     fn see(&self, receiver: &Receiver, accuracy: f64) -> Estimate {
         let mut scratch = Scratch::default();
@@ -55,7 +59,7 @@ impl Setting {
     }
 
     fn at(&self, position: [f64; 3], normal: [f64; 3]) -> Estimate {
-        self.see(&Receiver::new(DVec3::from(position), DVec3::from(normal).normalize()), 1e-3)
+        self.see(&self.receiver(DVec3::from(position), DVec3::from(normal)), 1e-3)
     }
 }
 
@@ -201,8 +205,7 @@ fn tessellated_walls_are_tight() {
         let setting = Setting::with_mesh(&(light.clone() + MESH), mesh);
         for _ in 0..20 {
             let place = DVec3::new(2.0 * rng.unit() - 1.0, 2.0 * rng.unit() - 1.0, -1.5 * rng.unit() - 0.2);
-            let receiver =
-                Receiver::new(turn * place, turn * (DVec3::Z + 0.5 * DVec3::from_array(rng.direction())).normalize());
+            let receiver = setting.receiver(turn * place, turn * (DVec3::Z + 0.5 * DVec3::from_array(rng.direction())));
             let found = setting.see(&receiver, 1e-3);
             assert!(found.factor == 0.0 && found.way == Way::Exact, "{case} {light} {place}: {found:?}");
         }
@@ -299,7 +302,7 @@ fn random_triangles_hide_what_points_say() {
         text.extend((0..vertices.len() / 3).map(|i| format!("f {} {} {}\n", 3 * i + 1, 3 * i + 2, 3 * i + 3)));
         let light = shape(kind, "<rotate x='1' angle='180'/><translate z='2'/>");
         let setting = Setting::with_mesh(&(light + MESH), text);
-        let receiver = Receiver::new(
+        let receiver = setting.receiver(
             DVec3::new(rng.unit() - 0.5, rng.unit() - 0.5, 0.0),
             (DVec3::Z + 0.8 * DVec3::from_array(rng.direction())).normalize(),
         );
@@ -331,7 +334,7 @@ fn round_blockers_are_bounded() {
             centre.y,
             centre.z
         ));
-        let receiver = Receiver::new(DVec3::ZERO, DVec3::new(0.3 * rng.unit(), 0.0, 1.0).normalize());
+        let receiver = setting.receiver(DVec3::ZERO, DVec3::new(0.3 * rng.unit(), 0.0, 1.0).normalize());
         let expected = by_points(&setting.sources[0], &receiver, |p| !meets_sphere(DVec3::ZERO, p, centre, radius));
         for accuracy in [1e-2, 1e-3, 1e-4] {
             let found = setting.see(&receiver, accuracy);
@@ -351,7 +354,7 @@ fn a_ball_on_the_axis_is_a_difference_of_disks() {
     ));
     let expected = 1.0 / (1.0 + h * h) - (r / d).powi(2);
     for accuracy in [1e-2, 1e-3, 1e-4] {
-        let found = setting.see(&Receiver::new(DVec3::ZERO, DVec3::Z), accuracy);
+        let found = setting.see(&setting.receiver(DVec3::ZERO, DVec3::Z), accuracy);
         assert!(found.way == Way::Bounded && found.error <= accuracy * expected, "{found:?}");
         assert_near(found.factor, expected, 0.1 * found.error);
     }
@@ -427,10 +430,8 @@ fn shadow_rays_say_how_far_they_are_off() {
     let one = Setting::new(&(light + &level(1.0, [-0.4, 0.4], [-0.3, 0.2], false)));
     let (mut outside, mut all) = (0, 0);
     for (i, j) in (-3..=3).flat_map(|i| (-3..=3).map(move |j| (i, j))) {
-        let receiver = Receiver::new(
-            DVec3::new(0.17 * f64::from(i), 0.17 * f64::from(j), 0.0),
-            DVec3::new(0.1, 0.2, 1.0).normalize(),
-        );
+        let receiver = one
+            .receiver(DVec3::new(0.17 * f64::from(i), 0.17 * f64::from(j), 0.0), DVec3::new(0.1, 0.2, 1.0).normalize());
         let expected = one.see(&receiver, 1e-3);
         for accuracy in [1e-2, 1e-3] {
             let found = many.see(&receiver, accuracy);
@@ -443,4 +444,40 @@ fn shadow_rays_say_how_far_they_are_off() {
         }
     }
     assert!(outside <= all / 100, "{outside} of {all}");
+}
+
+/// `independent`: the closed forms of disks and spheres in `disk-sampling`, by other formulae, for receivers that see them cut by their
+/// horizon, from nearby and from afar.
+#[test]
+fn round_lights_agree_with_their_closed_forms() {
+    let mut rng = Rng::new(3);
+    let mut cut = 0;
+    for case in 0..4000 {
+        let size = 10.0_f64.powf(3.0 * rng.unit() - 2.0);
+        let (axis, tilt) = (DVec3::from_array(rng.direction()), DVec3::from_array(rng.direction()));
+        let position = DVec3::from_array(rng.direction()) * (0.05 + 2.0 * rng.unit());
+        let (u, v) = axis.any_orthonormal_pair();
+        let flat = Flat { centre: DVec3::ZERO, u: u * size, v: v * size, normal: axis };
+        let disk = disk_sampling::Disk::new([0.0; 3], axis.to_array(), size).unwrap();
+        let sphere = disk_sampling::Sphere::new([0.0; 3], size).unwrap();
+        let element = disk_sampling::Receiver::new(position.to_array(), tilt.to_array()).unwrap();
+        let (shape, expected) = if case % 2 == 0 {
+            (Shape::Disk(flat), disk_sampling::disk_configuration_factor(&disk, &element))
+        } else if position.length() > size {
+            let centre = DVec3::ZERO;
+            (Shape::Sphere { centre, radius: size }, disk_sampling::sphere_configuration_factor(&sphere, &element))
+        } else {
+            continue;
+        };
+        let world = World::new(&[]).unwrap();
+        let blockers = Blockers::default();
+        let around = Surroundings { world: &world, blockers: &blockers };
+        let receiver = Receiver::new(position, tilt, &world);
+        let source = Source { shape, primitive: NO_PRIMITIVE };
+        let found = visible_configuration_factor(&source, around, &receiver, 1e-3, &mut Scratch::default());
+        let height = -position.dot(tilt);
+        cut += u32::from(height.abs() < size && expected > 0.0);
+        assert_near(found.factor, expected, 1e-13 + found.error);
+    }
+    assert!(cut > 500, "{cut}");
 }

@@ -18,21 +18,32 @@ pub(super) struct Cone<R> {
     pub(super) wide: [R; 2],
 }
 
+/// A horizon that cuts a cone, t₁ = t₀ − ω and t₂ = t₀ + ω being where it meets the rim.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Horizon<R> {
+    /// The element's unit normal in the frame (ξ, η, ζ).
+    pub(super) normal: Vector<R>,
+    /// M sin ω.
+    pub(super) chord: R,
+    /// M² sin t₁ sin t₂.
+    pub(super) ends: R,
+}
+
 impl<R: Real> Cone<R> {
     /// The length of the irradiance vector, which points along ζ: sin α sin β.
     pub(super) fn irradiance(&self) -> R {
         self.narrow[0] * self.wide[0]
     }
 
-    /// The configuration factor to an element of normal `n` (in the cone's frame) whose horizon cuts the cone. `chord` is
-    /// M sin ω, half of what the horizon spans of x(t).
-    pub(super) fn cut(&self, n: Vector<R>, chord: R) -> R {
+    /// The configuration factor to an element whose horizon cuts the cone.
+    pub(super) fn cut(&self, horizon: &Horizon<R>) -> R {
+        let n = horizon.normal;
         let below = n[2] > R::ZERO;
         let whole = if below { n[2] * self.irradiance() } else { R::ZERO };
         // More than half is visible: the whole less what the opposite element sees, which has the other sign.
         let n = if below { n.map(|x| -x) } else { n };
         // The cone's symmetry lets the rest work in one quadrant.
-        let cut = Cut::new(*self, [n[0].abs(), n[1].abs(), n[2].abs()], chord);
+        let cut = Cut::new(*self, &Horizon { normal: n.map(R::abs), ..*horizon });
         let (sum, difference) = cut.closed_form();
         let factor = whole + difference;
         if factor * R::from_f64(CANCELLATION) >= sum {
@@ -62,10 +73,14 @@ struct Cut<R> {
     middle: R,
     middle_cosine: R,
     middle_sine: R,
+    /// Cosine and sine of t₁ and t₂.
+    first: [R; 2],
+    last: [R; 2],
 }
 
 impl<R: Real> Cut<R> {
-    fn new(cone: Cone<R>, n: Vector<R>, chord: R) -> Self {
+    fn new(cone: Cone<R>, horizon: &Horizon<R>) -> Self {
+        let (n, chord) = (horizon.normal, horizon.chord);
         let ([sin_b, cos_b], [sin_a, cos_a]) = (cone.narrow, cone.wide);
         let axes = [sin_b * cos_a, sin_a * cos_b, cos_a * cos_b];
         let level = axes[2] * n[2];
@@ -73,6 +88,11 @@ impl<R: Real> Cut<R> {
         let (x, y) = (axes[0] * n[0], axes[1] * n[1]);
         let m = x.hypot(y);
         let (middle_cosine, middle_sine) = if m > R::ZERO { (x / m, y / m) } else { (R::ONE, R::ZERO) };
+        let (cosine, sine) = (level / amplitude, chord / amplitude);
+        let turned = |s: R| [middle_cosine * cosine - middle_sine * s, middle_sine * cosine + middle_cosine * s];
+        // The difference sin t₁ from the product: where the rim passes close by, at t = 0, ε is not exact enough.
+        let (first, last) = (turned(-sine), turned(sine));
+        let first = [first[0], horizon.ends / (amplitude * amplitude * last[1])];
         Self {
             n,
             axes,
@@ -80,18 +100,14 @@ impl<R: Real> Cut<R> {
             eccentricity2: ((cos_b - cos_a) * (cos_b + cos_a)).max(R::ZERO),
             amplitude,
             half_angle: chord.atan2(level),
-            cosine: level / amplitude,
-            sine: chord / amplitude,
+            cosine,
+            sine,
             middle: y.atan2(x),
             middle_cosine,
             middle_sine,
+            first,
+            last,
         }
-    }
-
-    /// cos t and sin t at t = t₀ + the angle of the given cosine and sine.
-    fn turned(&self, [c, s]: [R; 2]) -> [R; 2] {
-        let (c0, s0) = (self.middle_cosine, self.middle_sine);
-        [c0 * c - s0 * s, s0 * c + c0 * s]
     }
 
     fn rim(&self, [c, s]: [R; 2]) -> Vector<R> {
@@ -101,14 +117,13 @@ impl<R: Real> Cut<R> {
     /// The contour integral over arc and chord, ∮ n·(x × dx) / (2π x²): the sum of the terms' sizes, and the factor.
     fn closed_form(&self) -> (R, R) {
         let ([sin_b, cos_b], [sin_a, cos_a]) = (self.cone.narrow, self.cone.wide);
-        let first = self.turned([self.cosine, -self.sine]);
-        let last = self.turned([self.cosine, self.sine]);
+        let (first, last) = (self.first, self.last);
         let (x, y) = (self.rim(first), self.rim(last));
         let chord = length(cross(x, y)).atan2(dot(x, y));
         // ∫ dt / x², ∫ cos t dt / x², ∫ sin t dt / x² over the arc, each times its factor.
         // Errors of both ends cancel to first order as long as all terms work from the same rounded ends.
         let (cosines, sines) = (first[0] * last[0], first[1] * last[1]);
-        let round = (cos_a * cos_b * (last[1] * first[0] - first[1] * last[0]))
+        let round = (cos_a * cos_b * (last[1] * first[0] - first[1] * last[0]).max(R::ZERO))
             .atan2(cos_a * cos_a * cosines + cos_b * cos_b * sines)
             * self.n[2]
             * sin_a
@@ -143,62 +158,100 @@ impl<R: Real> Cut<R> {
         (scale * (chord + arc.abs() + sin_a), scale * (chord - arc))
     }
 
+    /// The arc's ends: t = t₀ − ω, and π − t for t = t₀ + ω. Near zero they keep their relative accuracy, as they must: there the
+    /// rim passes so close by that x(t) is hardly longer than cos α.
+    fn ends(&self) -> [R; 2] {
+        [self.first[1].atan2(self.first[0]), self.last[1].atan2(-self.last[0])]
+    }
+
+    /// How far the poles of 1 / x(t)² at t = 0 are from the real axis, at least.
+    fn rim_pole(&self) -> R {
+        self.cone.wide[1] / self.cone.narrow[1]
+    }
+
+    /// M (cos(t − t₀) − cos ω) over M, `u` from one of the arc's ends.
+    fn rise(&self, u: R) -> R {
+        R::TWO * (self.half_angle - R::HALF * u).sin() * (R::HALF * u).sin()
+    }
+
     /// ∫ sin² e dψ / 2π over the azimuth ψ, with e the elevation of the rim above the horizon.
     fn by_azimuth(&self) -> R {
         let [b, a, k] = self.axes;
-        let pole = R::from_f64(0.7) * self.cone.wide[1] / self.cone.narrow[1];
-        let distance = |t: R| {
-            let near = (t + self.middle).abs().min((R::PI - self.middle - t).abs());
-            near.hypot(pole)
+        let pole = R::from_f64(0.7) * self.rim_pole();
+        let half = |n: R, start: R, length: R| {
+            let integrand = |t: R, u: R| {
+                let [c, s] = [t.cos(), t.sin()];
+                let x = self.rim([c, s]);
+                let height = self.amplitude * self.rise(u);
+                let turn = a * b * self.n[2] + k * (a * n * c + b * self.n[1] * s);
+                let (height2, x2) = (height * height, dot(x, x));
+                height2 / x2 * (turn / (x2 - height2))
+            };
+            integrate_from(start, length, |t, _| t.hypot(pole), integrand)
         };
-        let integrand = |t: R| {
-            let [c, s] = self.turned([t.cos(), t.sin()]);
-            let x = self.rim([c, s]);
-            let height = R::TWO
-                * self.amplitude
-                * (R::HALF * (self.half_angle + t)).sin()
-                * (R::HALF * (self.half_angle - t)).sin();
-            let turn = a * b * self.n[2] + k * (a * self.n[0] * c + b * self.n[1] * s);
-            let (height2, x2) = (height * height, dot(x, x));
-            height2 / x2 * (turn / (x2 - height2))
-        };
-        integrate(-self.half_angle, self.half_angle, distance, integrand) * R::HALF / R::PI
+        let [first, last] = self.ends();
+        let quarter = R::HALF * R::PI;
+        let near = half(self.n[0], first, (quarter - first).min(R::TWO * self.half_angle));
+        let far = if last < quarter { half(-self.n[0], last, quarter - last) } else { R::ZERO };
+        (near + far) * R::HALF / R::PI
     }
 
     /// ∫ sin φ (∫ cos² γ dγ) dφ / π over the planes through the direction of the chord: φ the plane's angle to the horizon, γ the
-    /// angle within it; the inner integral in closed form, the outer one over the arc.
+    /// angle within it; the inner integral in closed form, the outer one over half of the arc.
     fn by_planes(&self) -> R {
         let [b, a, k] = self.axes;
         let (c0, s0) = (self.middle_cosine, self.middle_sine);
-        let p = b * b * s0 * s0 + a * a * c0 * c0;
-        let slope = s0 * c0 * self.eccentricity2;
+        let (along, across) = (a * a * c0, b * b * s0);
+        let p = across * s0 + along * c0;
         let ab = a * b;
-        let rim_pole = self.cone.wide[1] / self.cone.narrow[1];
+        let rim_pole = self.rim_pole();
         let x = p.sqrt() * k / ab;
         let axis_pole = x / R::ONE.hypot(x);
         let to_axis = self.cosine.atan2(self.sine);
-        // The variable u = ω − τ runs from the chord to the far end of the arc.
-        let distance = |u: R| {
-            let tau = self.half_angle - u;
-            let rim = (tau - self.middle).abs().min((R::PI - self.middle - tau).abs()).hypot(rim_pole);
-            rim.min((to_axis + u).hypot(axis_pole))
-        };
-        let integrand = |u: R| {
-            let rise = R::TWO * (self.half_angle - R::HALF * u).sin() * (R::HALF * u).sin();
+        let [first, last] = self.ends();
+        let turned_back = self.last[0] < R::ZERO;
+        let end = self.last[1].atan2(self.last[0]);
+        // t runs from the chord to the middle of the arc; π − t of the opposite point is as far from its own end.
+        let distance = |t: R, u: R| t.abs().min(last + u).hypot(rim_pole).min((to_axis + u).hypot(axis_pole));
+        let integrand = |t: R, u: R| {
+            let rise = self.rise(u);
             let v = self.cosine + rise;
             let w = (self.half_angle - u).sin();
             let d2 = p * k * k + v * v * ab * ab;
             let d = d2.sqrt();
-            rise * w * (p / (d2 * d)) * squared_cosine(v * slope, p * w, d)
+            let [c, s] = if turned_back {
+                let opposite = last + u;
+                [-opposite.cos(), opposite.sin()]
+            } else {
+                [(end - u).cos(), (end - u).sin()]
+            };
+            let low = along * t.sin() - across * t.cos();
+            let high = along * s - across * c;
+            rise * (w / d) * (p / d2) * squared_cosine([low / d, high / d], R::TWO * p * w / d)
         };
-        integrate(R::ZERO, self.half_angle, distance, integrand) * k * ab * self.amplitude / R::PI
+        integrate_from(first, self.half_angle, distance, integrand) * k * ab * self.amplitude / R::PI
     }
 }
 
-/// ∫ cos² γ dγ between the angles whose tangents are (m ∓ w) / d.
-fn squared_cosine<R: Real>(m: R, w: R, d: R) -> R {
-    let (low, high) = ((m - w) / d, (m + w) / d);
-    let gap = R::TWO * w / d;
+/// ∫ `integrand`(t, t − `start`) dt over `length` from `start`, with t near zero as accurate as t − `start` near the start.
+fn integrate_from<R: Real>(start: R, length: R, distance: impl Fn(R, R) -> R, integrand: impl Fn(R, R) -> R) -> R {
+    if start >= R::ZERO {
+        return integrate(length, |u| distance(start + u, u), |u| integrand(start + u, u));
+    }
+    let before = (-start).min(length);
+    let rest = before - R::HALF * before;
+    let (back, forth) = (before + start, |x| x - start);
+    integrate(R::HALF * before, |u| distance(start + u, u), |u| integrand(start + u, u))
+        + integrate(rest, |x| distance(back - x, forth(back - x)), |x| integrand(back - x, forth(back - x)))
+        + if length > before {
+            integrate(length - before, |t| distance(t, forth(t)), |t| integrand(t, forth(t)))
+        } else {
+            R::ZERO
+        }
+}
+
+/// ∫ cos² γ dγ between the angles of the given tangents, which differ by `gap`.
+fn squared_cosine<R: Real>([low, high]: [R; 2], gap: R) -> R {
     let product = low * high;
     let g = ((R::ONE + low * low) * (R::ONE + high * high)).sqrt();
     let angle = gap.atan2(R::ONE + product);

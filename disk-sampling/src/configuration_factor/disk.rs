@@ -2,11 +2,11 @@
 
 use spectral_core::Real;
 
-use super::cone::Cone;
+use super::cone::{Cone, Horizon};
 use super::double_word::{DoubleWord, WideVector, wide_cross, wide_difference, wide_dot, widened};
 use super::scale::power_of_two;
 use crate::shape::{Disk, Receiver};
-use crate::vector::{Vector, cross, dot, length, scale, subtract};
+use crate::vector::{Vector, cross, dot, length};
 
 /// The configuration factor from a receiver to a disk, clipped at the receiver's horizon: irradiance over π times the disk's radiance.
 pub fn disk_configuration_factor<R: Real>(disk: &Disk<R>, receiver: &Receiver<R>) -> R {
@@ -73,40 +73,45 @@ impl<R: Real> View<R> {
 
     fn factor(&self, disk: Vector<R>, receiver: Vector<R>) -> R {
         // Heights over the horizon: of the centre, and how far the rim goes above and below it.
-        let wide_middle = wide_dot(self.offset, widened(receiver));
+        let (wide_disk, wide_receiver) = (widened(disk), widened(receiver));
+        let wide_middle = wide_dot(self.offset, wide_receiver);
         let middle = wide_middle.value();
-        let tilt = wide_cross(widened(receiver), widened(disk));
-        let sine2 = wide_dot(tilt, tilt);
-        let reach = wide_dot(widened(disk), widened(disk)) * wide_middle * wide_middle;
-        let cut = (sine2 * self.radius * self.radius - reach).value();
-        if !(cut > R::ZERO) && !(middle > R::ZERO) {
+        let tilt = wide_cross(wide_receiver, wide_disk);
+        let reach = wide_dot(wide_disk, wide_disk) * wide_middle * wide_middle;
+        let cut = wide_dot(tilt, tilt) * self.radius * self.radius - reach;
+        let clipped = cut.value() > R::ZERO;
+        if !clipped && !(middle > R::ZERO) {
             return R::ZERO;
         }
         let axis = self.axis(disk);
         let axis_length = length(axis);
         let toward = -dot(receiver, disk);
         let along = (self.height * middle + self.inward * toward) / axis_length;
-        if !(cut > R::ZERO) {
+        if !clipped {
             return along * self.cone.irradiance();
         }
-        let chord = self.cone.wide[1] * (cut / self.sum).sqrt();
-        let [inner, side, rho] = self.lateral(disk, tilt.map(DoubleWord::value));
-        let h2 = self.height * self.height;
-        let outward = ((h2 + self.inward) * inner - self.height * rho * toward) / axis_length;
-        self.cone.cut([outward, side, along], chord)
-    }
-
-    /// The receiver's normal within the disk's plane, towards the axis and across, and the distance from the axis; `tilt` is
-    /// receiver × disk.
-    fn lateral(&self, disk: Vector<R>, tilt: Vector<R>) -> [R; 3] {
-        let offset = self.offset.map(DoubleWord::value);
-        // Rounding turns the direction a little, which matters the less the nearer the axis is; it must stay in the plane.
-        let foot = cross(offset, disk);
-        let foot = subtract(foot, scale(disk, dot(foot, disk)));
+        // The receiver's normal towards the disk's axis (u), and across (v).
+        let wide_foot = wide_cross(self.offset, wide_disk);
+        let (foot, tilt) = (wide_foot.map(DoubleWord::value), tilt.map(DoubleWord::value));
         let rho = length(foot);
-        if !(rho > R::EPSILON * length(offset)) {
-            return [length(tilt), R::ZERO, R::ZERO];
-        }
-        [dot(foot, tilt) / rho, dot(disk, cross(foot, tilt)) / rho, rho]
+        let (u, v, ends) = if rho > R::EPSILON * length(self.offset.map(DoubleWord::value)) {
+            // Close to the rim what matters is how little the horizon is turned about the rim's normal: r² v² − `cut` is the
+            // product of the heights of the nearest and the farthest point of the rim.
+            let side = wide_dot(wide_foot, wide_receiver);
+            let foot2 = wide_dot(wide_foot, wide_foot);
+            let turned = wide_dot(wide_disk, wide_disk) * side * side * self.radius * self.radius;
+            let ends = (turned - cut * foot2).value() / foot2.value();
+            (dot(foot, tilt) / rho, side.value() / rho, ends)
+        } else {
+            (length(tilt), R::ZERO, -cut.value())
+        };
+        let h2 = self.height * self.height;
+        let outward = ((h2 + self.inward) * u - self.height * rho * toward) / axis_length;
+        let cosine = self.cone.wide[1];
+        self.cone.cut(&Horizon {
+            normal: [outward, v, along],
+            chord: cosine * (cut.value() / self.sum).sqrt(),
+            ends: cosine * cosine * ends / self.sum,
+        })
     }
 }

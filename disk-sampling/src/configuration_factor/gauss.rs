@@ -15,28 +15,25 @@ const NODES: [(f64, f64); 6] = [
 /// Panels at most: two approaches to poles as near as the last digit, by a factor of 0.4 a panel, need fewer.
 const PANELS: usize = 160;
 
-/// ∫ `integrand` over [`from`, `to`], when the nearest pole is `distance`(x) from x in the complex plane.
+/// ∫ `integrand` over [0, `end`], when the nearest pole is `distance`(x) from x in the complex plane, or farther.
 ///
-/// A panel is 0.6 distances long, so that its poles are at least 2.3 half lengths from its middle: 12 nodes err by about
-/// (2.3 + √(2.3² − 1))⁻²⁴ ≈ 10⁻¹⁵ of the integrand's size around it.
-pub(super) fn integrate<R: Real>(from: R, to: R, distance: impl Fn(R) -> R, integrand: impl Fn(R) -> R) -> R {
-    let share = R::from_f64(0.6);
-    let shortest = (to - from) * R::EPSILON;
+/// The poles of each panel are at least 2.8 half lengths from its middle: 12 nodes err by about
+/// (2.8 + √(2.8² − 1))⁻²⁴ ≈ 10⁻¹⁷ of the integrand's size around it.
+pub(super) fn integrate<R: Real>(end: R, distance: impl Fn(R) -> R, integrand: impl Fn(R) -> R) -> R {
+    // A panel can be 1.1 distances long where poles fall behind, and 0.52 where they come up.
+    let (receding, nearing) = (R::from_f64(1.1), R::from_f64(0.52));
+    let reach = R::from_f64(1.4);
+    let shortest = end * R::EPSILON;
     let mut sum = R::ZERO;
-    let mut start = from;
+    let mut start = R::ZERO;
     for _ in 0..PANELS {
-        let step = (share * distance(start)).max(shortest);
-        let rest = to - start;
-        // A rest little longer than the step is shared between two panels of equal length.
-        let length = if rest <= step {
-            rest
-        } else if rest <= R::TWO * step {
-            R::HALF * rest
-        } else {
-            step
-        };
+        let rest = end - start;
+        let near = distance(start);
+        let long = rest.min(receding * near);
+        let step = if distance(start + R::HALF * long) >= reach * long { long } else { nearing * near };
+        let length = rest.min(step.max(shortest));
         sum += panel(start, length, &integrand);
-        if rest <= step {
+        if length >= rest {
             break;
         }
         start += length;

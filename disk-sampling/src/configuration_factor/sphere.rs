@@ -2,7 +2,7 @@
 
 use spectral_core::Real;
 
-use super::cone::Cone;
+use super::cone::{Cone, Horizon};
 use super::double_word::{DoubleWord, wide_difference, wide_dot, widened};
 use super::scale::power_of_two;
 use crate::shape::{Receiver, Sphere};
@@ -33,5 +33,6 @@ pub fn sphere_configuration_factor<R: Real>(sphere: &Sphere<R>, receiver: &Recei
     }
     let across = length(cross(offset.map(DoubleWord::value), normal)) / distance;
     let cone = Cone { narrow: [sine, cosine], wide: [sine, cosine] };
-    cone.cut([across, R::ZERO, along], cosine * cut.sqrt() / distance)
+    let chord = cosine * cut.sqrt() / distance;
+    cone.cut(&Horizon { normal: [across, R::ZERO, along], chord, ends: -chord * chord })
 }

@@ -3,6 +3,7 @@
 //! Exit codes: 0 when done, 1 when a check failed, 2 for bad input, with one line on stderr.
 
 mod compare;
+mod illuminance;
 mod light;
 mod render;
 mod scene;
@@ -35,6 +36,8 @@ enum Command {
     Compare(compare::Arguments),
     /// Everything there is to say of a light: colour temperature, colour rendering, action spectra.
     Light(light::Arguments),
+    /// Illuminance at points of a scene.
+    Illuminance(illuminance::Arguments),
     /// List the built-in scenes, or write one out as files for other renderers.
     Scene(scene::Arguments),
     /// Analytic test cases for illuminance: judge this project, or write them for other programs and judge those.
@@ -113,6 +116,7 @@ fn dispatch(arguments: Arguments) -> Result<(Answer, ExitCode), Failure> {
         Command::Render(render) => render.run(),
         Command::Compare(compare) => compare.run(),
         Command::Light(light) => light.run(),
+        Command::Illuminance(illuminance) => illuminance.run(),
         Command::Scene(scene) => scene.run(),
     }?;
     Ok((answer, ExitCode::SUCCESS))
@@ -133,7 +137,7 @@ mod tests {
         for (arguments, expected) in [
             (
                 &[][..],
-                "'spectral' requires a subcommand but one was not provided [subcommands: render, compare, light, scene, verify, help]",
+                "'spectral' requires a subcommand but one was not provided [subcommands: render, compare, light, illuminance, scene, verify, help]",
             ),
             (
                 &["render", "--sise", "4x4"],

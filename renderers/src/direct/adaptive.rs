@@ -2,11 +2,13 @@
 
 use core::cmp::Ordering;
 use core::hash::{BuildHasherDefault, Hasher as _};
-use std::collections::{BinaryHeap, HashMap};
+#[allow(clippy::std_instead_of_alloc, reason = "this crate has no other use for alloc")]
+use std::collections::BinaryHeap;
+use std::collections::HashMap;
 
 use super::lattice::{Panel, Sight};
 use super::source::{Receiver, Source};
-use crate::geometry::World;
+use crate::geometry::{NO_PRIMITIVE, World};
 use crate::spectral::PairHasher;
 
 /// Cells are at least 1/2 to this power as wide as the light, and at most 1/2 to the other.
@@ -21,7 +23,7 @@ const DEVIATION: f64 = 0.2;
 const CONFIDENCE: f64 = 3.0;
 /// Nodes and weights of the Gauss–Legendre rule with three points on [0, 1].
 const GAUSS: [(f64, f64); 3] =
-    [(0.112_701_665_379_258_31, 5.0 / 18.0), (0.5, 8.0 / 18.0), (0.887_298_334_620_741_69, 5.0 / 18.0)];
+    [(0.112_701_665_379_258_31, 5.0 / 18.0), (0.5, 8.0 / 18.0), (0.887_298_334_620_741_7, 5.0 / 18.0)];
 
 /// A visible share, the estimated error of it, and the rays it took.
 #[derive(Clone, Copy, Debug)]
@@ -43,6 +45,12 @@ impl<'w> Probe<'w> {
     pub(super) fn new(world: &'w World, receiver: &'w Receiver, source: &Source) -> Self {
         let panel = Panel::new(&source.shape, receiver.position);
         Self { world, receiver, panel, primitive: source.primitive }
+    }
+
+    /// The environment around a receiver.
+    pub(super) fn of_sky(world: &'w World, receiver: &'w Receiver) -> Self {
+        let panel = Panel::Sky { position: receiver.position, up: receiver.normal };
+        Self { world, receiver, panel, primitive: NO_PRIMITIVE }
     }
 
     fn sight(&self, square: [f64; 2]) -> Sight {

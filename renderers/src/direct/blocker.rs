@@ -140,8 +140,14 @@ impl Outline {
 }
 
 impl Target<'_> {
+    /// A target beyond everything.
+    pub(super) const INFINITE: Self = Self { normal: DVec3::ZERO, distance: f64::INFINITY, corners: &[] };
+
     /// Whether the light's plane comes within a radius of a point, where the light may be.
     fn comes_within(&self, point: DVec3, radius: f64) -> bool {
+        if self.corners.is_empty() {
+            return false;
+        }
         let furthest = self.corners.iter().fold(0.0_f64, |r, c| r.max(c.distance(self.middle())));
         (self.normal.dot(point) - self.distance).abs() < radius && point.distance(self.middle()) < radius + furthest
     }
@@ -181,7 +187,8 @@ fn polygon_cone(corners: &[DVec3], contact: f64, target: &Target<'_>, planes: &m
         all_before &= beyond <= margin;
         all_beyond &= beyond >= 0.0;
     }
-    if all_before {
+    // A target without corners is beyond everything.
+    if all_before && !target.corners.is_empty() {
         return Effect::None;
     }
     if !all_beyond {

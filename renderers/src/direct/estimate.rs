@@ -1,7 +1,7 @@
 //! Visible configuration factors to a requested accuracy, with what is known of their error.
 
-use super::adaptive::{Probe, visible_share};
-use super::blocker::Outline;
+use super::adaptive::{Probe, Share, visible_share};
+use super::blocker::{Blockers, Outline};
 use super::cells::shaft_end;
 use super::light::Surroundings;
 use super::source::{Receiver, Seen, Source};
@@ -9,14 +9,14 @@ use super::visible::{Scratch, unblocked_factor, visible_factor};
 use crate::geometry::{Shaft, ShaftEnd};
 
 /// With more surfaces in the way than these, shadow rays cost less than closed forms.
-const MOST_BLOCKERS: usize = 256;
+pub(super) const MOST_BLOCKERS: usize = 256;
 /// Corners of the polygons that round blockers are taken between.
 const OUTLINES: [u32; 4] = [12, 36, 108, 324];
 /// What closed forms are off by: relative to the light as a whole, and relative to the hemisphere.
 const ROUNDING: f64 = 1e-12;
 const ROUNDING_OF_HEMISPHERE: f64 = 4.0 * f64::EPSILON;
 /// Shadow rays to one light, at most.
-const MOST_RAYS: u64 = 400_000;
+pub(super) const MOST_RAYS: u64 = 400_000;
 
 /// How a factor was found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -53,6 +53,13 @@ impl Estimate {
         let rounding = if unblocked > 0.0 { ROUNDING * unblocked + ROUNDING_OF_HEMISPHERE } else { 0.0 };
         Self { factor, error: rounding, rays: 0, way }
     }
+
+    /// The visible share of a factor.
+    pub(super) fn sampled(unblocked: f64, share: Share) -> Self {
+        let Self { error, .. } = Self::closed(0.0, unblocked, Way::Sampled);
+        let factor = unblocked * share.value;
+        Self { factor, error: error + unblocked * share.error, rays: share.rays, way: Way::Sampled }
+    }
 }
 
 /// The configuration factor of the part of a light that a receiver sees, to a relative accuracy.
@@ -84,13 +91,7 @@ pub fn visible_configuration_factor(
     });
     closed.unwrap_or_else(|| {
         let share = visible_share(&Probe::new(around.world, receiver, source), accuracy, MOST_RAYS);
-        let Estimate { error, .. } = Estimate::closed(0.0, unblocked, Way::Sampled);
-        Estimate {
-            factor: unblocked * share.value,
-            error: error + unblocked * share.error,
-            rays: share.rays,
-            way: Way::Sampled,
-        }
+        Estimate::sampled(unblocked, share)
     })
 }
 
@@ -107,10 +108,21 @@ fn among(
     if candidates.is_empty() {
         return Some(Estimate::closed(unblocked, unblocked, Way::Unblocked));
     }
-    let mut factor = |outline| visible_factor(receiver, seen, around.blockers, candidates, outline, scratch);
-    if candidates.iter().all(|primitive| around.blockers.is_flat_sided(*primitive)) {
-        let factor = factor(Outline::Inscribed(3))?;
-        return Some(Estimate::closed(factor, unblocked, Way::Exact));
+    between_outlines(candidates, unblocked, around.blockers, accuracy, |outline| {
+        visible_factor(receiver, seen, around.blockers, candidates, outline, scratch)
+    })
+}
+
+/// The visible factor where round blockers are taken between polygons, with ever more corners until the accuracy is reached.
+pub(super) fn between_outlines(
+    candidates: &[u32],
+    unblocked: f64,
+    blockers: &Blockers,
+    accuracy: f64,
+    mut factor: impl FnMut(Outline) -> Option<f64>,
+) -> Option<Estimate> {
+    if candidates.iter().all(|primitive| blockers.is_flat_sided(*primitive)) {
+        return Some(Estimate::closed(factor(Outline::Inscribed(3))?, unblocked, Way::Exact));
     }
     let mut best = None;
     for count in OUTLINES {

@@ -34,6 +34,11 @@ pub(super) enum Panel {
         flat: Flat,
         sphere: Option<(DVec3, f64)>,
     },
+    /// The hemisphere around a direction, by its projection on the unit disk: a point is the receiver's position plus a direction.
+    Sky {
+        position: DVec3,
+        up: DVec3,
+    },
 }
 
 impl Panel {
@@ -59,6 +64,7 @@ impl Panel {
         match self {
             Self::Rectangle(flat) | Self::Round { flat, .. } => flat.centre,
             Self::Triangle { corners, .. } => corners.iter().sum::<DVec3>() / 3.0,
+            Self::Sky { position, up } => *position + *up,
         }
     }
 
@@ -66,6 +72,7 @@ impl Panel {
         match self {
             Self::Rectangle(flat) | Self::Round { flat, .. } => flat.normal,
             Self::Triangle { normal, .. } => *normal,
+            Self::Sky { up, .. } => -*up,
         }
     }
 
@@ -73,6 +80,7 @@ impl Panel {
     fn size(&self) -> f64 {
         match self {
             Self::Rectangle(flat) | Self::Round { flat, .. } => 2.0 * flat.u.length().max(flat.v.length()),
+            Self::Sky { .. } => 2.0,
             Self::Triangle { corners: [a, b, c], .. } => a.distance(*b).max(b.distance(*c)).max(c.distance(*a)),
         }
     }
@@ -83,6 +91,11 @@ impl Panel {
         match self {
             Self::Rectangle(flat) => flat.at([2.0 * x - 1.0, 2.0 * y - 1.0]),
             Self::Round { flat, .. } => flat.at(square_to_disk([x, y])),
+            Self::Sky { position, up } => {
+                let [x, y] = square_to_disk([x, y]);
+                let (u, v) = up.any_orthonormal_pair();
+                *position + u * x + v * y + *up * (1.0 - x * x - y * y).max(0.0).sqrt()
+            }
             Self::Triangle { corners: [a, b, c], .. } => {
                 let along = x.sqrt();
                 *a + (*b - *a) * (along * (1.0 - y)) + (*c - *a) * (along * y)
@@ -92,6 +105,9 @@ impl Panel {
 
     /// Irradiance per area, up to a factor: cosines at both ends over the squared distance.
     pub(super) fn density(&self, point: DVec3, receiver: &Receiver) -> f64 {
+        if let Self::Sky { .. } = self {
+            return 1.0;
+        }
         let way = point - receiver.position;
         let squared = way.length_squared();
         let at_receiver = way.dot(receiver.normal).max(0.0);
@@ -109,6 +125,10 @@ impl Panel {
             return Sight::Blocked;
         }
         let target = match self {
+            Self::Sky { .. } => {
+                let blocked = world.occluded_direction(&receiver.point, single(way));
+                return if blocked { Sight::Blocked } else { Sight::Visible };
+            }
             Self::Round { sphere: Some((centre, radius)), .. } => {
                 let direction = way.normalize_or_zero();
                 let to_centre = *centre - receiver.position;

@@ -108,7 +108,7 @@ impl Light {
 }
 
 /// The light of a point of intensity 1, if it is visible.
-pub(super) fn from_point(position: DVec3, world: &World, receiver: &Receiver) -> Option<Part> {
+fn from_point(position: DVec3, world: &World, receiver: &Receiver) -> Option<Part> {
     let way = position - receiver.position;
     let squared = way.length_squared();
     let direction = way / squared.sqrt();
@@ -119,7 +119,7 @@ pub(super) fn from_point(position: DVec3, world: &World, receiver: &Receiver) ->
 }
 
 /// Parallel light of irradiance 1, if it is visible.
-pub(super) fn from_direction(along: DVec3, world: &World, receiver: &Receiver) -> Option<Part> {
+fn from_direction(along: DVec3, world: &World, receiver: &Receiver) -> Option<Part> {
     let direction = -along;
     let cosine = direction.dot(receiver.normal);
     let above = cosine > 0.0 && direction.dot(receiver.geometric) > 0.0;

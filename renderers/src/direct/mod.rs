@@ -17,6 +17,7 @@ mod lattice;
 mod light;
 mod pieces;
 mod scene;
+mod sky;
 mod source;
 mod visible;
 
@@ -25,6 +26,7 @@ pub(crate) use cells::{Cells, KnownCells};
 pub use estimate::{Estimate, Way, visible_configuration_factor};
 pub use light::{Light, Part, Surroundings};
 pub use scene::{sources, world};
+pub use sky::visible_sky;
 pub(crate) use source::single;
 pub use source::{Flat, Receiver, Shape, Source};
 pub use visible::{Cover, Scratch};

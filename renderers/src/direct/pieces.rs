@@ -35,12 +35,13 @@ enum Side {
 }
 
 impl Pieces {
-    /// Forgets everything and starts with one polygon, given by its corners relative to the point; none of them may be zero.
-    pub(super) fn start(&mut self, corners: impl Iterator<Item = DVec3>) {
-        self.corners.clear();
-        self.ends.clear();
-        self.corners.extend(corners.map(DVec3::normalize_or_zero));
-        self.ends.push(self.corners.len());
+    /// Forgets everything and starts with polygons given by their corners relative to the point; none of them may be zero.
+    pub(super) fn start<'a>(&mut self, polygons: impl Iterator<Item = &'a [DVec3]>) {
+        self.clear();
+        for corners in polygons {
+            self.corners.extend(corners.iter().copied().map(DVec3::normalize_or_zero));
+            self.ends.push(self.corners.len());
+        }
     }
 
     /// The polygons.

@@ -4,7 +4,10 @@ use glam::{DVec3, Vec3A};
 
 use super::blocker::cap;
 use super::contour::Circle;
-use crate::geometry::{NO_PRIMITIVE, SurfacePoint};
+use crate::geometry::{NO_PRIMITIVE, SurfacePoint, World};
+
+/// How near surfaces must be to a receiver to touch it, relative to the largest coordinate.
+const CONTACT: f64 = 1e-9;
 
 /// A surface element that receives light.
 #[derive(Clone, Copy, Debug)]
@@ -22,12 +25,16 @@ pub struct Receiver {
 }
 
 impl Receiver {
-    /// A receiver of its own at a position, with a unit normal. What is within 10⁻⁹ of its largest coordinate is touched.
+    /// A receiver of its own among surfaces, at a position, with a unit normal. What is within 10⁻⁹ of the largest coordinate there is, is
+    /// touched.
     #[must_use]
-    pub fn new(position: DVec3, normal: DVec3) -> Self {
-        let point = SurfacePoint { primitive: NO_PRIMITIVE, ..SurfacePoint::new(single(position), single(normal)) };
-        let contact = 1e-9 * position.abs().max_element();
-        Self { point, position, normal, geometric: normal, contact }
+    pub fn new(position: DVec3, normal: DVec3, world: &World) -> Self {
+        let [low, high] = world.bounds().map(Vec3A::as_dvec3);
+        let size = position.abs().max(low.abs()).max(high.abs()).max_element();
+        #[allow(clippy::cast_possible_truncation, reason = "shadow rays are f32")]
+        let error = 8.0 * f32::EPSILON * size as f32;
+        let point = SurfacePoint { position: single(position), error, normal: single(normal), primitive: NO_PRIMITIVE };
+        Self { point, position, normal, geometric: normal, contact: CONTACT * size }
     }
 }
 

@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::blocker::{Blockers, Effect, Outline, Target};
-use super::contour;
+use super::contour::{self, Circle};
 use super::pieces::{Buffers, Pieces};
 use super::source::{Receiver, Seen};
 
@@ -16,6 +16,13 @@ pub struct Scratch {
     pieces: Pieces,
     buffers: Buffers,
     planes: Vec<DVec3>,
+}
+
+impl Scratch {
+    /// Starts with these polygons, given by their corners relative to the receiver.
+    pub(super) fn start<'a>(&mut self, polygons: impl Iterator<Item = &'a [DVec3]>) {
+        self.pieces.start(polygons);
+    }
 }
 
 /// Which surfaces may be between a receiver and a light.
@@ -39,19 +46,33 @@ pub(super) fn visible_factor(
     outline: Outline,
     scratch: &mut Scratch,
 ) -> Option<f64> {
-    let Scratch { pieces, buffers, planes } = scratch;
-    pieces.start(seen.corners().iter().copied());
-    pieces.keep(receiver.normal, buffers);
+    let corners = seen.corners();
+    scratch.start(core::iter::once(corners));
+    scratch.pieces.keep(receiver.normal, &mut scratch.buffers);
     if receiver.geometric != receiver.normal {
-        pieces.keep(receiver.geometric, buffers);
+        scratch.pieces.keep(receiver.geometric, &mut scratch.buffers);
     }
-    let target = Target { normal: seen.normal, distance: seen.distance, corners: seen.corners() };
+    let target = Target { normal: seen.normal, distance: seen.distance, corners };
+    remaining(receiver, &target, seen.circle.as_ref(), blockers, candidates, outline, scratch)
+}
+
+/// The configuration factor of what is left of the pieces in `scratch`, and of that within a circle, when all candidates are cut out.
+pub(super) fn remaining(
+    receiver: &Receiver,
+    target: &Target<'_>,
+    circle: Option<&Circle>,
+    blockers: &Blockers,
+    candidates: &[u32],
+    outline: Outline,
+    scratch: &mut Scratch,
+) -> Option<f64> {
+    let Scratch { pieces, buffers, planes } = scratch;
     for candidate in candidates {
         if pieces.is_empty() {
             return Some(0.0);
         }
         let blocker = blockers.get(*candidate)?;
-        match blocker.cone(receiver.position, receiver.contact, &target, outline, planes) {
+        match blocker.cone(receiver.position, receiver.contact, target, outline, planes) {
             Effect::None => {}
             Effect::Cone => pieces.subtract(planes, buffers),
             Effect::Unknown => return None,
@@ -60,7 +81,7 @@ pub(super) fn visible_factor(
             return None;
         }
     }
-    let sum = match &seen.circle {
+    let sum = match circle {
         None => pieces.iter().map(|piece| contour::polygon(piece, receiver.normal)).sum(),
         Some(circle) => pieces.iter().map(|piece| circle.part(piece, receiver.normal)).sum(),
     };

@@ -68,6 +68,8 @@ pub enum Fault {
         /// The ranges that there may be.
         allowed: &'static str,
     },
+    /// The luminous flux leaves the range of numbers.
+    Flux,
     /// Something stands after the last value.
     Trailing(String),
 }
@@ -107,7 +109,7 @@ impl From<&IntensityError> for Fault {
                 Self::Range { first, last, allowed: super::intensity::GAMMAS }
             }
             IntensityError::Counts { .. } => Self::Truncated,
-            IntensityError::Flux => Self::NotFinite("the luminous flux".to_owned()),
+            IntensityError::Flux => Self::Flux,
         }
     }
 }
@@ -133,6 +135,7 @@ impl fmt::Display for Fault {
             Self::Range { first, last, allowed } => {
                 write!(f, "{first:?} to {last:?} degrees is not a range of this format ({allowed})")
             }
+            Self::Flux => f.write_str("the luminous flux leaves the range of numbers"),
             Self::Trailing(text) => write!(f, "{text:?} stands after the last value"),
         }
     }

@@ -296,6 +296,9 @@ impl LuminousIntensity {
     pub fn expanded(&self) -> Self {
         let table = self.tabulated();
         let Form::Table(table) = &table.0 else { return table };
+        if table.symmetry == Symmetry::None {
+            return self.clone();
+        }
         let planes = table.expanded_planes();
         let candela = planes.iter().flat_map(|c| table.gammas.iter().map(|g| table.candela(*c, *g))).collect();
         Self(Form::Table(Table { symmetry: Symmetry::None, planes, gammas: table.gammas.clone(), candela }))
@@ -424,12 +427,14 @@ impl Table {
     fn expanded_planes(&self) -> Vec<f64> {
         let (mirrors, turned): (&[f64], &[f64]) = match self.symmetry {
             Symmetry::Axial => return vec![0.0, 360.0],
-            Symmetry::None => return self.planes.clone(),
+            Symmetry::None => (&[], &[]),
             Symmetry::AboutC0 => (&[360.0], &[]),
             Symmetry::AboutC90 => (&[180.0, 540.0], &[]),
             Symmetry::Quadrant => (&[180.0, 360.0], &[180.0]),
         };
-        let mut all: Vec<f64> = self.planes.clone();
+        // C0 need not be a node of planes 90 to 270.
+        let mut all = vec![0.0, 360.0];
+        all.extend(&self.planes);
         all.extend(mirrors.iter().flat_map(|m| self.planes.iter().map(move |c| m - c)));
         all.extend(turned.iter().flat_map(|t| self.planes.iter().map(move |c| t + c)));
         all.retain(|c| (0.0..=360.0).contains(c));

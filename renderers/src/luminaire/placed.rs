@@ -1,6 +1,6 @@
 //! A luminous intensity distribution somewhere in a scene.
 
-use std::sync::Arc;
+use alloc::sync::Arc;
 
 use glam::{DAffine3, DMat3, DVec3};
 

@@ -1,7 +1,7 @@
 //! Lights.
 
+use alloc::sync::Arc;
 use core::f64::consts::PI;
-use std::sync::Arc;
 
 use glam::{DAffine3, DVec3};
 
