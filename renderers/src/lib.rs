@@ -10,6 +10,7 @@ pub mod image;
 pub mod light;
 pub mod luminaire;
 pub mod progress;
+pub mod radiosity;
 pub mod render;
 pub mod report;
 pub mod scene;

@@ -38,6 +38,11 @@ impl Components {
         Ok(Self { leaves })
     }
 
+    /// The components of a leaf of the palette; `None` if there is no such leaf.
+    pub fn components(&self, leaf: u32) -> Option<&[f64; 3]> {
+        self.leaves.get(leaf as usize)
+    }
+
     fn product(&self, monomials: &Monomials, monomial: Monomial) -> [f64; 3] {
         let factors = monomials.leaves(monomial).iter().filter_map(|leaf| self.leaves.get(*leaf as usize));
         factors.fold([1.0; 3], |p, f| core::array::from_fn(|a| p[a] * f[a]))

@@ -45,6 +45,22 @@ impl UniformBins {
         Ok(Self { count, leaves, weights })
     }
 
+    /// How many bins there are.
+    #[allow(clippy::len_without_is_empty, reason = "there is at least one")]
+    pub const fn len(&self) -> usize {
+        self.count
+    }
+
+    /// The mean of a leaf of the palette over each bin; `None` if there is no such leaf.
+    pub fn means(&self, leaf: u32) -> Option<&[f64]> {
+        self.leaves.get(leaf as usize).map(Vec::as_slice)
+    }
+
+    /// ∫x̄, ∫ȳ, ∫z̄ over each bin in nm.
+    pub const fn weights(&self) -> &[Vec<f64>; 3] {
+        &self.weights
+    }
+
     fn centre(&self, bin: usize) -> f64 {
         let [from, to] = limits(bin, self.count);
         (from + to) / 2.0
