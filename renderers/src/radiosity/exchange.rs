@@ -43,7 +43,7 @@ fn nodes_beyond(polygon: &Polygon, gap: f64, tolerance: f64) -> usize {
 }
 
 /// Σ f(x, w) over a product rule on a polygon; the weights add up to its area.
-fn over_points(polygon: &Polygon, nodes: usize, mut f: impl FnMut(DVec3, f64) -> f64) -> f64 {
+pub(super) fn over_points(polygon: &Polygon, nodes: usize, mut f: impl FnMut(DVec3, f64) -> f64) -> f64 {
     let points = &rule(nodes).points;
     let mut sum = 0.0;
     if let [a, b, c, d] = *polygon.corners()

@@ -6,7 +6,8 @@ use glam::DVec3;
 use super::Solution;
 use super::mesh::{Node, Patches};
 use super::polygon::Polygon;
-use super::sight::{Sight, shaft_end, spread, surface_point};
+use super::shade::{Eye, MOST_BLOCKERS};
+use super::sight::{shaft_end, spread, surface_point};
 use crate::geometry::{Shaft, ShaftEnd, SurfacePoint};
 
 /// How finely patches that are partly seen are split for that.
@@ -42,32 +43,28 @@ impl<'s> Place<'s> {
         polygon.configuration_factor(self.position, self.normal)
     }
 
-    fn sight(&self, polygon: &Polygon, primitive: u32) -> Sight {
+    /// What may be in the way of a polygon; `None` if that is much.
+    fn blockers(&self, polygon: &Polygon, primitive: u32) -> Option<Vec<u32>> {
         let shaft = Shaft::between(&self.end, &shaft_end(polygon, primitive));
-        if self.patches.world.shaft_is_clear(&shaft) {
-            return Sight::Clear;
-        }
-        let to = surface_point(polygon.centre, polygon.normal, primitive);
-        let Some(hit) = self.patches.world.closest_hit(&self.point.ray_between(&to)) else { return Sight::Mixed };
-        self.patches.sight_past(hit.primitive, &[self.position], polygon.corners())
+        self.patches.world.shaft_blockers(&shaft, MOST_BLOCKERS)
     }
 
-    /// The configuration factor of the part of a polygon that is seen; what is uncertain of it is less than about `least`.
-    fn seen_factor(&self, polygon: &Polygon, primitive: u32, least: f64, depth: u32) -> f64 {
+    /// The configuration factor of the parts of a polygon that are seen among so many blockers.
+    fn seen_factor(&self, polygon: &Polygon, primitive: u32, blockers: Option<&[u32]>, least: f64, depth: u32) -> f64 {
+        let parts = blockers.and_then(|found| self.patches.seen_parts(polygon, Eye::At(self.position), found));
+        if let Some(parts) = parts {
+            return parts.iter().map(|part| part.configuration_factor(self.position, self.normal)).sum();
+        }
         let factor = self.factor(polygon);
-        if factor <= 0.0 {
-            return 0.0;
-        }
-        match self.sight(polygon, primitive) {
-            Sight::Clear => return factor,
-            Sight::Blocked => return 0.0,
-            Sight::Mixed => {}
-        }
         if factor > least
             && depth > 0
             && let Some(halves) = polygon.halves()
         {
-            return halves.iter().map(|half| self.seen_factor(half, primitive, least, depth - 1)).sum();
+            let half = |half: &Polygon| {
+                let blockers = self.blockers(half, primitive);
+                self.seen_factor(half, primitive, blockers.as_deref(), least, depth - 1)
+            };
+            return halves.iter().map(half).sum();
         }
         let seen = (0..RAYS).filter(|index| {
             let [u, v, ..] = spread(*index);
@@ -111,20 +108,25 @@ impl Solution<'_> {
         if !(factor > 0.0) {
             return;
         }
-        let clear = clear
-            || match place.sight(&node.polygon, node.primitive) {
-                Sight::Clear => true,
-                Sight::Blocked => return,
-                Sight::Mixed => false,
-            };
+        let blockers = if clear { Some(Vec::new()) } else { place.blockers(&node.polygon, node.primitive) };
+        let clear = blockers.as_ref().is_some_and(Vec::is_empty);
+        let varies = match blockers {
+            // With few blockers the parts that are seen are known.
+            Some(_) => self.spreads[index],
+            None => self.spreads[index] + self.levels[index],
+        };
         if let Some(children) = node.children()
-            && factor * if clear { self.spreads[index] } else { self.levels[index] + self.spreads[index] } > small
+            && factor * varies > small
         {
             children.into_iter().for_each(|child| self.add(place, child, clear, small, sum));
             return;
         }
-        let least = small / (self.levels[index] + self.spreads[index]);
-        let seen = if clear { factor } else { place.seen_factor(&node.polygon, node.primitive, least, DEPTH) };
+        let seen = if clear {
+            factor
+        } else {
+            let least = small / (self.levels[index] + self.spreads[index]);
+            place.seen_factor(&node.polygon, node.primitive, blockers.as_deref(), least, DEPTH)
+        };
         let radiosity = &self.nodes[index * self.width..][..self.width];
         sum.iter_mut().zip(radiosity).for_each(|(s, b)| *s += seen * b);
     }

@@ -320,7 +320,7 @@ impl<'b> Neighbours<'b> {
 }
 
 /// Halves until there are few enough corners.
-fn few_corners(polygon: Polygon) -> Vec<Polygon> {
+pub(super) fn few_corners(polygon: Polygon) -> Vec<Polygon> {
     if polygon.corners().len() <= MOST_PATCH_CORNERS {
         return vec![polygon];
     }

@@ -21,6 +21,7 @@ mod link;
 mod mesh;
 mod polygon;
 mod scalar;
+mod shade;
 mod sight;
 mod solution;
 mod solve;

@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::mesh::{Node, Patches};
 use super::polygon::Polygon;
-use crate::geometry::{NO_PRIMITIVE, Shaft, ShaftEnd, SurfacePoint, World};
+use crate::geometry::{NO_PRIMITIVE, Shaft, ShaftEnd, SurfacePoint};
 
 /// What is known of the ways between two things.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -113,9 +113,4 @@ pub(super) fn spread(index: u32) -> [f64; 4] {
         0.538_597_257_223_612_9,
     ];
     STEPS.map(|step| (0.5 + step * f64::from(index + 1)).fract())
-}
-
-/// Whether anything blocks the way from a point of a patch to a point light.
-pub(super) fn point_is_hidden(world: &World, node: &Node, place: DVec3, light: DVec3) -> bool {
-    world.occluded_point(&surface_point(place, node.polygon.normal, node.primitive), light.as_vec3a())
 }

@@ -4,31 +4,40 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::error::RadiosityError;
+use super::exchange::over_points;
 use super::mesh::{Node, Patches};
+use super::polygon::Polygon;
 use super::scalar::luminous;
-use super::sight::{Sight, point_is_hidden, shaft_end, spread, surface_point};
+use super::shade::{Eye, MOST_BLOCKERS};
+use super::sight::{shaft_end, spread, surface_point};
 use crate::geometry::{NO_PRIMITIVE, Shaft, ShaftEnd};
+use crate::luminaire::PlacedLuminaire;
 use crate::scene::{Emitter, Scene};
 use crate::spectral::{Factor, Palette, Role};
 
-/// Rays that tell how much of a patch is lit.
+/// Points that tell how much of a patch is lit where that has no closed form.
 const RAYS: u32 = 64;
+/// Nodes a side of the rule for luminaires.
+const NODES: usize = 3;
 
 /// A light without area.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Source {
-    place: Place,
-    /// Intensity, or irradiance across the light.
+    eye: Eye,
+    /// For luminaires: luminous intensity in cd by direction.
+    luminaire: Option<PlacedLuminaire>,
+    /// Intensity (for each candela, for luminaires), or irradiance across the light.
     pub(super) spectrum: Factor,
     /// Its luminous value.
     weight: f64,
 }
 
-#[derive(Clone, Copy, Debug)]
-enum Place {
-    At(DVec3),
-    /// Light travels along this unit vector.
-    Along(DVec3),
+/// What is known of the ways from a source to a patch.
+enum Ways {
+    Clear,
+    /// These primitives may be in the way, and no others.
+    Few(Vec<u32>),
+    Many,
 }
 
 impl Source {
@@ -36,117 +45,129 @@ impl Source {
     pub(super) fn all(scene: &Scene, palette: &mut Palette) -> Result<Vec<Self>, RadiosityError> {
         let mut sources = Vec::new();
         for emitter in &scene.emitters {
-            let (place, spectrum) = match emitter {
-                Emitter::Point { position, intensity } => (Place::At(*position), *intensity),
-                Emitter::Directional { direction, irradiance } => (Place::Along(*direction), *irradiance),
+            let (eye, spectrum, luminaire) = match emitter {
+                Emitter::Point { position, intensity } => (Eye::At(*position), *intensity, None),
+                Emitter::Directional { direction, irradiance } => (Eye::Along(*direction), *irradiance, None),
+                Emitter::Luminaire { luminaire, spectrum, .. } => {
+                    (Eye::At(luminaire.position), *spectrum, Some(luminaire.clone()))
+                }
                 Emitter::Area { .. } | Emitter::Ambient { .. } => continue,
                 Emitter::Constant { label, .. } => return Err(RadiosityError::Light { label: label.clone() }),
             };
             let spectrum = palette.factor(scene.spectrum(spectrum), Role::Light);
             let weight = luminous(palette, spectrum).map_err(RadiosityError::Spectrum)?;
-            sources.push(Self { place, spectrum, weight });
+            sources.push(Self { eye, luminaire, spectrum, weight });
         }
         Ok(sources)
     }
 
-    /// Mean irradiance on a patch that nothing shades, over intensity (or over irradiance).
-    fn unshaded(&self, node: &Node) -> f64 {
-        match self.place {
-            Place::At(position) => node.polygon.solid_angle(position) / node.polygon.area,
-            Place::Along(direction) => (-direction.dot(node.polygon.normal)).max(0.0),
-        }
-    }
-
-    /// Variation of that over the patch, as a share of it.
-    fn variation(&self, node: &Node) -> f64 {
-        match self.place {
-            Place::At(position) => {
-                let height = (position - node.polygon.centre).dot(node.polygon.normal);
-                let distance = (position - node.polygon.centre).length().max(height);
-                (node.polygon.radius / distance).min(1.0)
+    /// Mean irradiance on a polygon that nothing shades times its area, over intensity (or over irradiance).
+    fn unshaded(&self, polygon: &Polygon) -> f64 {
+        match (self.eye, &self.luminaire) {
+            (Eye::At(position), None) => polygon.solid_angle(position),
+            (Eye::At(position), Some(luminaire)) => {
+                let angle = polygon.solid_angle(position);
+                if angle > 0.0 { angle * mean_candela(polygon, luminaire)[0] } else { 0.0 }
             }
-            Place::Along(_) => 0.0,
+            (Eye::Along(direction), _) => polygon.area * (-direction.dot(polygon.normal)).max(0.0),
         }
     }
 
-    fn sight(&self, patches: &Patches, node: &Node) -> Sight {
+    /// Variation of that over a polygon, as a share of it.
+    fn variation(&self, polygon: &Polygon) -> f64 {
+        match (self.eye, &self.luminaire) {
+            (Eye::Along(_), _) => 0.0,
+            (Eye::At(position), luminaire) => {
+                let smooth = polygon.radius / (position - polygon.centre).length();
+                let [mean, range] = luminaire.as_ref().map_or([1.0, 0.0], |l| mean_candela(polygon, l));
+                (smooth + if mean > 0.0 { range / mean } else { 1.0 }).min(1.0)
+            }
+        }
+    }
+
+    fn ways(&self, patches: &Patches, node: &Node) -> Ways {
         let polygon = &node.polygon;
-        let end = match self.place {
-            Place::At(position) => ShaftEnd::within(position, position, NO_PRIMITIVE),
-            Place::Along(direction) => {
+        let end = match self.eye {
+            Eye::At(position) => ShaftEnd::within(position, position, NO_PRIMITIVE),
+            Eye::Along(direction) => {
+                // A copy of the patch beyond everything.
                 let [low, high] = patches.world.bounds().map(|b| b.as_dvec3());
                 let away = -direction * ((high - low).length() * 1.01 + patches.slack);
                 let corners: Vec<DVec3> = polygon.corners().iter().map(|c| *c + away).collect();
                 ShaftEnd::polygon(&corners, direction, NO_PRIMITIVE)
             }
         };
-        if patches.world.shaft_is_clear(&Shaft::between(&shaft_end(polygon, node.primitive), &end)) {
-            return Sight::Clear;
-        }
-        let from = surface_point(polygon.centre, polygon.normal, node.primitive);
-        let (ray, far) = match self.place {
-            Place::At(position) => (from.ray_to(position.as_vec3a()), vec![position]),
-            Place::Along(direction) => {
-                let [low, high] = patches.world.bounds().map(|b| b.as_dvec3());
-                let away = -direction * (high - low).length();
-                let far = polygon.corners().iter().map(|c| *c + away).collect();
-                (from.ray((-direction).as_vec3a()), far)
-            }
-        };
-        let blocker = patches.world.closest_hit(&ray).map_or(NO_PRIMITIVE, |hit| hit.primitive);
-        match self.place {
-            Place::At(_) => patches.sight_past(blocker, polygon.corners(), &far),
-            // Parallel ways: each corner to its own copy.
-            Place::Along(_) => {
-                let each = polygon.corners().iter().zip(&far);
-                let mut sights = each.map(|(a, b)| patches.sight_past(blocker, &[*a], &[*b]));
-                if sights.all(|s| s == Sight::Blocked) { Sight::Blocked } else { Sight::Mixed }
-            }
+        let shaft = Shaft::between(&shaft_end(polygon, node.primitive), &end);
+        match patches.world.shaft_blockers(&shaft, MOST_BLOCKERS) {
+            Some(blockers) if blockers.is_empty() => Ways::Clear,
+            Some(blockers) => Ways::Few(blockers),
+            None => Ways::Many,
         }
     }
 
-    fn is_hidden(&self, patches: &Patches, node: &Node, place: DVec3) -> bool {
-        match self.place {
-            Place::At(position) => point_is_hidden(&patches.world, node, place, position),
-            Place::Along(direction) => {
-                let from = surface_point(place, node.polygon.normal, node.primitive);
-                patches.world.occluded_direction(&from, (-direction).as_vec3a())
-            }
+    /// What of [`unshaded`](Self::unshaded) arrives.
+    fn arriving(&self, patches: &Patches, node: &Node, ways: &Ways) -> f64 {
+        let unshaded = self.unshaded(&node.polygon);
+        if unshaded <= 0.0 {
+            return 0.0;
         }
+        let parts = match ways {
+            Ways::Clear => return unshaded,
+            Ways::Few(blockers) => patches.seen_parts(&node.polygon, self.eye, blockers),
+            Ways::Many => None,
+        };
+        if let Some(parts) = parts {
+            return parts.iter().map(|part| self.unshaded(part)).sum();
+        }
+        let lit = (0..RAYS).filter(|index| {
+            let [u, v, ..] = spread(*index);
+            let from = surface_point(node.polygon.point([u, v]), node.polygon.normal, node.primitive);
+            !match self.eye {
+                Eye::At(position) => patches.world.occluded_point(&from, position.as_vec3a()),
+                Eye::Along(direction) => patches.world.occluded_direction(&from, (-direction).as_vec3a()),
+            }
+        });
+        unshaded * f64::from(u32::try_from(lit.count()).unwrap_or(0)) / f64::from(RAYS)
     }
 
     /// Mean irradiance on a patch over intensity (or irradiance).
     fn irradiance(&self, patches: &Patches, node: &Node) -> f64 {
-        let unshaded = self.unshaded(node);
-        if unshaded <= 0.0 {
+        if self.unshaded(&node.polygon) <= 0.0 {
             return 0.0;
         }
-        match self.sight(patches, node) {
-            Sight::Clear => unshaded,
-            Sight::Blocked => 0.0,
-            Sight::Mixed => {
-                let mut lit = 0;
-                for index in 0..RAYS {
-                    let [u, v, ..] = spread(index);
-                    lit += u32::from(!self.is_hidden(patches, node, node.polygon.point([u, v])));
-                }
-                unshaded * f64::from(lit) / f64::from(RAYS)
-            }
-        }
+        self.arriving(patches, node, &self.ways(patches, node)) / node.polygon.area
     }
 
     /// The luminous flux that is put in the wrong place, about, when a patch counts as evenly lit.
     fn error(&self, patches: &Patches, node: &Node) -> f64 {
-        let flux = self.unshaded(node) * node.polygon.area * self.weight;
-        if flux <= 0.0 {
+        let unshaded = self.unshaded(&node.polygon);
+        if unshaded <= 0.0 {
             return 0.0;
         }
-        match self.sight(patches, node) {
-            Sight::Clear => flux * self.variation(node),
-            Sight::Blocked => 0.0,
-            Sight::Mixed => flux,
-        }
+        let ways = self.ways(patches, node);
+        let arriving = self.arriving(patches, node, &ways);
+        // Light and shadow on one patch: as much is in the wrong place as either has, at most.
+        let shadow = arriving.min(unshaded - arriving).max(0.0);
+        let unknown = if matches!(ways, Ways::Many) { 0.125 * unshaded } else { 0.0 };
+        (arriving * self.variation(&node.polygon)).max(shadow).max(unknown) * self.weight
     }
+}
+
+/// Mean over a polygon of a luminaire's intensity in cd, each direction weighted by its share of the solid angle, and the range.
+fn mean_candela(polygon: &Polygon, luminaire: &PlacedLuminaire) -> [f64; 2] {
+    let (mut sum, mut all) = (0.0, 0.0);
+    let (mut low, mut high) = (f64::INFINITY, 0.0_f64);
+    over_points(polygon, NODES, |x, w| {
+        let way = x - luminaire.position;
+        let squared = way.length_squared();
+        let weight = w * way.dot(polygon.normal).abs() / (squared * squared.sqrt());
+        let candela = luminaire.candela(way);
+        (low, high) = (low.min(candela), high.max(candela));
+        sum += weight * candela;
+        all += weight;
+        0.0
+    });
+    if all > 0.0 { [sum / all, high - low] } else { [0.0; 2] }
 }
 
 /// Splits leaves where they are unevenly lit: where the flux they reflect that is in the wrong place is more than `most`.
@@ -188,6 +209,6 @@ pub(super) fn luminous_irradiances(sources: &[Source], values: &[f64], leaves: u
 
 /// The luminous flux of all sources on the patches, at most: what the roots would receive unshaded.
 pub(super) fn luminous_flux(patches: &Patches, sources: &[Source]) -> f64 {
-    let on = |node: &Node| sources.iter().map(|s| s.unshaded(node) * node.polygon.area * s.weight).sum::<f64>();
+    let on = |node: &Node| sources.iter().map(|s| s.unshaded(&node.polygon) * s.weight).sum::<f64>();
     patches.nodes[..patches.roots].iter().map(on).sum()
 }
