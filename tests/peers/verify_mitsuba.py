@@ -52,8 +52,11 @@ def main():
         if len(points) > args.limit:
             continue
         scene = mi.load_file(str(args.work / case / "scene.xml"), spp=args.spp)
+        # Mitsuba does not keep the file's order.
+        order = {sensor.id(): index for index, sensor in enumerate(scene.sensors())}
         start = time.perf_counter()
-        for index, point in enumerate(points):
+        for point in points:
+            index = order["point-" + point.replace(".", "_")]
             value = pixel(mi.render(scene, sensor=index, seed=index)) / flat
             lines.append(f"{case},{point},{value!r}")
         seconds[case] = (time.perf_counter() - start) / len(points)

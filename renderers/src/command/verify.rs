@@ -6,7 +6,7 @@ use std::process::ExitCode;
 use clap::Args;
 use renderers::progress::Progress;
 use renderers::report::Table;
-use renderers::verify::{self, Answers, Case, Outcome, Status};
+use renderers::verify::{self, Answers, Case, Outcome, Provenance, Status};
 use serde_json::json;
 
 use super::{Answer, Failure};
@@ -133,7 +133,7 @@ impl Count {
 
     fn to_line(self) -> String {
         let Self { passed, failed, skipped, informative } = self;
-        format!("{passed} passed, {failed} failed, {skipped} skipped, {informative} for information")
+        format!("{passed} passed, {failed} failed, {skipped} skipped, {informative} shown only")
     }
 }
 
@@ -158,14 +158,24 @@ fn show(results: &[(&Case, Vec<Outcome>)], in_detail: bool) -> Answer {
 
 /// One line for each case, then the checks that failed and the reasons for what was skipped.
 fn summary(results: &[(&Case, Vec<Outcome>)]) -> String {
-    let mut table =
-        Table::new(["case", "checks", "passed", "failed", "skipped", "worst error", "tolerance", "time", "note"]);
+    let mut table = Table::new([
+        "case",
+        "checks",
+        "passed",
+        "failed",
+        "skipped",
+        "shown only",
+        "worst error",
+        "tolerance",
+        "time",
+        "note",
+    ]);
     let mut failures = Table::new(HEADINGS);
     let mut any_failed = false;
     for (case, outcomes) in results {
         let count = Count::of(outcomes);
         let (error, tolerance) = match worst(outcomes) {
-            Some(outcome) => (percent(outcome.relative_error), percent(Some(outcome.tolerance))),
+            Some(outcome) => (percent(outcome.relative_error), allowed(outcome.tolerance)),
             None => (String::new(), String::new()),
         };
         // Checks of the same point share its time.
@@ -180,6 +190,7 @@ fn summary(results: &[(&Case, Vec<Outcome>)]) -> String {
             count.passed.to_string(),
             count.failed.to_string(),
             count.skipped.to_string(),
+            count.informative.to_string(),
             error,
             tolerance,
             if timed { duration(seconds) } else { String::new() },
@@ -212,7 +223,7 @@ fn cells(name: &str, outcome: &Outcome) -> [String; 8] {
             format!("{:.1e}", outcome.tolerance),
         )
     } else {
-        (percent(outcome.relative_error), percent(Some(outcome.tolerance)))
+        (percent(outcome.relative_error), allowed(outcome.tolerance))
     };
     let result = match (outcome.status, &outcome.reason) {
         (Status::Pass, _) => "pass".to_owned(),
@@ -232,21 +243,23 @@ fn cells(name: &str, outcome: &Outcome) -> [String; 8] {
     ]
 }
 
-/// The judged outcome that uses most of its tolerance.
+/// The judged outcome that uses most of its tolerance; of those with an unrounded reference, where there are any.
 fn worst(outcomes: &[Outcome]) -> Option<&Outcome> {
     let used = |outcome: &Outcome| match (outcome.computed, outcome.relative_error) {
         (_, Some(error)) => error.abs() / outcome.tolerance,
         (Some(value), None) => value.abs() / outcome.tolerance,
         _ => 0.0,
     };
-    let judged = outcomes.iter().filter(|outcome| outcome.pass.is_some());
-    judged.max_by(|a, b| used(a).total_cmp(&used(b)))
+    let judged = || outcomes.iter().filter(|outcome| outcome.pass.is_some());
+    let unrounded = judged().filter(|outcome| matches!(outcome.provenance, Provenance::Recomputed(_)));
+    let most = |a: &&Outcome, b: &&Outcome| used(a).total_cmp(&used(b));
+    unrounded.max_by(most).or_else(|| judged().max_by(most))
 }
 
 fn worst_line(outcomes: &[Outcome]) -> String {
     let Some(outcome) = worst(outcomes) else { return "nothing was judged".to_owned() };
     let error = outcome.relative_error.map_or_else(|| "0".to_owned(), |error| percent(Some(error)));
-    format!("worst: {} with {error} (tolerance {})", outcome.name, percent(Some(outcome.tolerance)))
+    format!("worst: {} with {error} (tolerance {})", outcome.name, allowed(outcome.tolerance))
 }
 
 /// Eight significant digits.
@@ -266,6 +279,11 @@ fn percent(share: Option<f64>) -> String {
         let share = share * 100.0;
         if share != 0.0 && share.abs() < 1e-3 { format!("{share:+.1e} %") } else { format!("{share:+.3} %") }
     })
+}
+
+/// A tolerance in per cent.
+fn allowed(share: f64) -> String {
+    percent(Some(share)).trim_start_matches('+').to_owned()
 }
 
 fn duration(seconds: f64) -> String {

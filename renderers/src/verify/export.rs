@@ -77,7 +77,7 @@ fn write(path: &Path, text: &str) -> Result<PathBuf, ExportError> {
 const README: &str = "\
 # Test cases for illuminance
 
-Each folder is a case: `scene.xml` (Mitsuba 3, one irradiance meter for each point, in this order), `scene.rad` and
+Each folder is a case: `scene.xml` (Mitsuba 3, an irradiance meter with the id `point-NAME` for each point), `scene.rad` and
 `points.txt` (Radiance: x y z nx ny nz, one point a line). `points.csv` names all points. Lengths are in metres. Lights are
 grey and their numbers photometric: a radiance of 1 stands for 1 cd/m², so that the irradiance a program gives is
 illuminance in lx.
@@ -102,9 +102,13 @@ a disk light makes that light vanish for later points. `tests/peers/verify_radia
 
 ## Mitsuba 3
 
-    mitsuba -m scalar_rgb -s INDEX -D spp=65536 CASE/scene.xml                                         # point number INDEX
+    import mitsuba as mi, numpy as np
+    mi.set_variant('scalar_rgb')
+    scene = mi.load_file('CASE/scene.xml', spp=65536)
+    for index, sensor in enumerate(scene.sensors()):                  # in another order than in the file
+        print(sensor.id(), np.array(mi.render(scene, sensor=index)).mean())
 
-The one pixel of each picture is the illuminance. In spectral variants a flat radiance of 1 has a luminance of 1.001 (the
+The one pixel of each picture is the illuminance; a point in a name is an underscore in the id. In spectral variants a flat radiance of 1 has a luminance of 1.001 (the
 sum of its tables over the constant by which it divides), which is to be divided out. `tests/peers/verify_mitsuba.py` of
 the project does all this.
 

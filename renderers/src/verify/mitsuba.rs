@@ -2,6 +2,7 @@
 
 use core::fmt::Write as _;
 
+use super::case::Work;
 use super::model::{Light, Model, SensorPoint, Shape, Vec3, cross, unit};
 
 /// Half the side of a meter, m: small against every distance in the cases.
@@ -10,8 +11,9 @@ const METER: f64 = 2e-4;
 /// The scene for this project's own reader, lights in photometric quantities. Files of luminaires are named by their index:
 /// `luminaire-0`, `luminaire-1` …, with the extension kept.
 #[must_use]
-pub fn own_scene(model: &Model) -> String {
+pub fn own_scene(model: &Model, work: &Work) -> String {
     let mut xml = head(None);
+    xml += &format!("  <integrator type=\"{}\"/>\n", if *work == Work::Global { "path" } else { "direct" });
     for surface in &model.surfaces {
         let emitter = photometric("area", "luminance", surface.exitance / core::f64::consts::PI);
         shape(&mut xml, &surface.shape, surface.reflectance, if surface.exitance > 0.0 { &emitter } else { "" });
@@ -167,7 +169,7 @@ mod tests {
     #[test]
     fn every_case_is_a_scene_that_says_the_same() {
         for case in crate::verify::cases(None) {
-            let scene = load(&Source::text("case.xml", own_scene(&case.model)), &[]).unwrap();
+            let scene = load(&Source::text("case.xml", own_scene(&case.model, &case.work)), &[]).unwrap();
             assert_eq!(scene.shapes.len(), case.model.surfaces.len(), "{}", case.name);
             for (shape, surface) in scene.shapes.iter().zip(&case.model.surfaces) {
                 assert_eq!(shape.emitter.is_some(), surface.exitance > 0.0);

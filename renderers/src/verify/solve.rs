@@ -4,10 +4,22 @@ use std::time::Instant;
 
 use disk_sampling::Disk;
 use disk_sampling::partition::{self, Partition, Subsource};
+use spectral_core::action::MAXIMUM_LUMINOUS_EFFICACY;
+use spectral_core::{Observer, tristimulus};
 
 use super::case::{Answer, Case, Work};
 use super::disk::{Method, Sampling};
-use super::model::{Shape, Vec3, along, dot};
+use super::mitsuba;
+use super::model::{Light, Shape, Vec3, along, dot};
+use crate::illuminance::{IndirectIrradiance, IndirectLight, Meter, Settings};
+use crate::radiosity::{self, Flat, Radiosity, Solution};
+use crate::scene::{Scene, Source, glam::DVec3, load};
+use crate::spectral::Palette;
+
+/// Relative error asked of direct light, half of the least that the cases allow.
+const DIRECT_ACCURACY: f64 = 2.5e-4;
+/// Relative error asked of reflected light.
+const INDIRECT_ACCURACY: f64 = 2.5e-4;
 
 /// Answers to a case, one for each point, or why there are none.
 ///
@@ -19,8 +31,84 @@ pub fn solve(case: &Case) -> Result<Vec<Answer>, String> {
             case.points.iter().map(|point| by_method(case, *sampling, point.position, point.normal)).collect()
         }
         Work::Misses(sampling) => Ok(vec![misses(*sampling)?]),
-        Work::Direct | Work::Global => Err("illuminance of scenes is not part of this version".to_owned()),
+        Work::Direct => by_meter(case, &scene_of(case)?, None, 0.0),
+        Work::Global => globally(case),
     }
+}
+
+/// The case as this project's reader has it, luminaires' files included.
+fn scene_of(case: &Case) -> Result<Scene, String> {
+    let text = mitsuba::own_scene(&case.model, &case.work);
+    let mut source = Source::text(format!("{}.xml", case.name), text);
+    for (index, light) in case.model.lights.iter().enumerate() {
+        if let Light::Photometric { file, .. } = light {
+            let bytes = std::fs::read(file).map_err(|error| format!("{}: {error}", file.display()))?;
+            source = source.with_asset(mitsuba::luminaire_name(index, file), String::from_utf8_lossy(&bytes));
+        }
+    }
+    load(&source, &[]).map_err(|error| error.to_string())
+}
+
+/// Direct and reflected light, the latter by radiosity; the time for solving it is shared by the points.
+fn globally(case: &Case) -> Result<Vec<Answer>, String> {
+    let start = Instant::now();
+    let scene = scene_of(case)?;
+    let mut palette = Palette::default();
+    let settings = radiosity::Settings { accuracy: INDIRECT_ACCURACY, ..radiosity::Settings::default() };
+    let radiosity = Radiosity::new(&scene, &settings, &mut palette, &|_| {}).map_err(|error| error.to_string())?;
+    let solution = radiosity.solve(&Flat).map_err(|error| error.to_string())?;
+    let grey = Grey { solution, efficacy: efficacy(&palette)? };
+    #[allow(clippy::cast_precision_loss, reason = "at most some hundred points")]
+    let share = start.elapsed().as_secs_f64() / case.points.len() as f64;
+    by_meter(case, &scene, Some(&grey), share)
+}
+
+fn by_meter(
+    case: &Case,
+    scene: &Scene,
+    indirect: Option<&dyn IndirectLight>,
+    share: f64,
+) -> Result<Vec<Answer>, String> {
+    let settings = Settings { accuracy: DIRECT_ACCURACY, ..Settings::default() };
+    let meter = Meter::new(scene, settings, indirect).map_err(|error| error.to_string())?;
+    let read = |point: &super::SensorPoint| {
+        let start = Instant::now();
+        let reading = meter.read(DVec3::from_array(point.position), DVec3::from_array(point.normal));
+        let reading = reading.map_err(|error| error.to_string())?;
+        let seconds = Some(share + start.elapsed().as_secs_f64());
+        Ok(Answer { illuminance: Some(reading.lux), samples: Some(reading.samples), seconds })
+    };
+    case.points.iter().map(read).collect()
+}
+
+/// Reflected light in scenes where all surfaces are grey and all lights have one spectrum, as in the cases: one component
+/// stands for the whole spectrum.
+struct Grey<'r> {
+    solution: Solution<'r>,
+    /// Illuminance for an irradiance of 1 times the lights' spectrum, lx.
+    efficacy: f64,
+}
+
+impl IndirectLight for Grey<'_> {
+    fn name(&self) -> &'static str {
+        "radiosity"
+    }
+
+    fn irradiance(&self, position: DVec3, normal: DVec3) -> IndirectIrradiance {
+        let receiver = disk_sampling::Receiver::new(position.to_array(), normal.to_array());
+        let found = receiver.map(|receiver| self.solution.indirect(&receiver));
+        // The meter has checked the point.
+        let irradiance = found.ok().and_then(|components| components.first().copied()).unwrap_or(f64::NAN);
+        IndirectIrradiance { lux: irradiance * self.efficacy, error: f64::NAN, spectrum: None }
+    }
+}
+
+/// Illuminance for an irradiance of 1 times the one spectrum that the lights have, lx.
+fn efficacy(palette: &Palette) -> Result<f64, String> {
+    let [(leaf, _)] = palette.leaves() else { return Err("the case has lights of more than one colour".to_owned()) };
+    let spectrum = leaf.spectrum()?;
+    let [_, y, _] = tristimulus(&Observer::cie_1931_2deg(), &spectrum, 380.0, 780.0);
+    Ok(MAXIMUM_LUMINOUS_EFFICACY * y)
 }
 
 /// The disk of a case that has one.
