@@ -4,6 +4,7 @@
 use std::path::PathBuf;
 use std::process::{Command, Output};
 
+use renderers::luminaire::{LuminousIntensity, PhotometricFile};
 use renderers::verify::{Reduction, Work, cases};
 use serde_json::Value;
 use spectral_tests::program::spectral;
@@ -44,6 +45,59 @@ fn the_tables_of_disks_are_reproduced() {
         assert!(error.abs() <= row["tolerance"].as_f64().unwrap());
     }
     assert_eq!(found["passed"].as_u64(), Some(rows.len() as u64));
+}
+
+#[test]
+fn no_case_fails_and_few_are_skipped() {
+    let output = verify(&["--json"]);
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stdout));
+    let found = json(&output);
+    for row in found["cases"].as_array().unwrap() {
+        let name = row["name"].as_str().unwrap();
+        let expected = match name {
+            _ if name.starts_with("furnace.sphere") => "skipped",
+            _ if name.starts_with("cie-171.4") || name.ends_with(".cie") => "informative",
+            _ => "pass",
+        };
+        assert_eq!(row["status"], expected, "{row}");
+        assert_eq!(row["pass"].as_bool(), (expected == "pass").then_some(true), "{row}");
+        assert_eq!(row["reason"].is_string(), expected != "pass", "{row}");
+    }
+    let count = |key: &str| found[key].as_u64().unwrap();
+    let all = count("passed") + count("failed") + count("skipped") + count("informative");
+    assert_eq!(all, found["cases"].as_array().unwrap().len() as u64);
+}
+
+/// Photometric files of isotropic lamps give what the isotropic stand-ins give, but now the measured limits decide.
+#[test]
+fn photometry_from_files_is_judged() {
+    let folder = scratch("photometry");
+    for (number, lumens) in (1..).zip([2182.0, 2196.0, 2203.0, 2182.0]) {
+        let lamp = LuminousIntensity::isotropic(lumens / (4.0 * core::f64::consts::PI)).unwrap();
+        let text = PhotometricFile::new(lamp, "isotropic").to_ies();
+        std::fs::write(folder.join(format!("cfl-{number}.ies")), text).unwrap();
+    }
+    let rows = |arguments: &[&str]| {
+        let output = verify(&[&["cie-171.4.4", "cie-171.4.5.mean", "--json"], arguments].concat());
+        (output.status.code(), json(&output)["cases"].as_array().unwrap().clone())
+    };
+    let (code, stand_in) = rows(&[]);
+    assert_eq!(code, Some(0));
+    let (code, from_files) = rows(&["--photometry", folder.to_str().unwrap()]);
+    let mut judged = 0;
+    for (file, stand_in) in from_files.iter().zip(&stand_in) {
+        let name = file["name"].as_str().unwrap();
+        let decides = name.starts_with("cie-171.4.4") && !name.ends_with(".measurement");
+        assert_eq!(file["pass"].is_boolean(), decides, "{file}");
+        assert_eq!(stand_in["status"], "informative");
+        judged += usize::from(decides);
+        let [a, b] = [file, stand_in].map(|row| row["computed"].as_f64().unwrap());
+        assert!((a / b - 1.0).abs() <= 2e-3, "{name}: {a} {b}");
+    }
+    assert_eq!(judged, 1 + 49);
+    assert_eq!(code, Some(i32::from(from_files.iter().any(|row| row["pass"] == false))));
+    let missing = verify(&["--photometry", folder.join("none").to_str().unwrap()]);
+    assert_eq!(missing.status.code(), Some(2));
 }
 
 #[test]
@@ -140,10 +194,12 @@ fn cases_are_exported_for_others() {
             assert_eq!(numbers, [point.position, point.normal].concat());
         }
         let xml = std::fs::read_to_string(own.join("scene.xml")).unwrap();
-        assert_eq!(xml.matches("irradiancemeter").count(), case.points.len());
+        assert_eq!((xml.matches("radiancemeter").count(), xml.matches("$place").count()), (1, 2));
+        let places = std::fs::read_to_string(own.join("places.txt")).unwrap();
+        assert_eq!(places.lines().count(), case.points.len());
         // Radiance's lights don't reflect: the furnace is not for it.
         assert_eq!(own.join("scene.rad").exists(), !case.name.starts_with("furnace"));
-        count += if own.join("scene.rad").exists() { 3 } else { 2 };
+        count += if own.join("scene.rad").exists() { 4 } else { 3 };
     }
     assert_eq!(files, count);
     let readme = std::fs::read_to_string(folder.join("README.md")).unwrap();

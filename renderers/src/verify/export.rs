@@ -22,8 +22,8 @@ impl core::fmt::Display for ExportError {
 
 impl core::error::Error for ExportError {}
 
-/// Writes each case that is a scene into its own folder below `folder`: `scene.xml` for Mitsuba 3, `scene.rad` and
-/// `points.txt` for Radiance, as far as each can say it; besides, `points.csv` with all points and `README.md` with the
+/// Writes each case that is a scene into its own folder below `folder`: `scene.xml` and `places.txt` for Mitsuba 3, `scene.rad`
+/// and `points.txt` for Radiance, as far as each can say it; besides, `points.csv` with all points and `README.md` with the
 /// commands. Returns the files.
 ///
 /// # Errors
@@ -35,7 +35,9 @@ pub fn export(cases: &[Case], folder: &Path) -> Result<Vec<PathBuf>, ExportError
     for case in cases.iter().filter(|case| case.work.is_scene()) {
         let own = folder.join(&case.name);
         let depth = if case.work == Work::Direct { 2 } else { -1 };
-        let xml = mitsuba::plain_scene(&case.model, &case.points, &case.about, depth);
+        let Some(first) = case.points.first() else { continue };
+        let xml = mitsuba::plain_scene(&case.model, first, &case.about, depth);
+        let places = xml.as_ref().map(|_| case.points.iter().map(|point| mitsuba::place(point) + "\n").collect());
         let rad = radiance::scene(&case.model, &case.about);
         let said = match (&xml, &rad) {
             (Some(_), Some(_)) => "",
@@ -44,7 +46,9 @@ pub fn export(cases: &[Case], folder: &Path) -> Result<Vec<PathBuf>, ExportError
         };
         let kind = if case.work == Work::Direct { "direct light" } else { "all reflections" };
         let _ = writeln!(list, "- `{}`: {} {} points, {kind}{said}.", case.name, case.about, case.points.len());
-        for (name, text) in [("scene.xml", xml), ("scene.rad", rad), ("points.txt", Some(points(case)))] {
+        for (name, text) in
+            [("scene.xml", xml), ("places.txt", places), ("scene.rad", rad), ("points.txt", Some(points(case)))]
+        {
             if let Some(text) = text {
                 files.push(write(&own.join(name), &text)?);
             }
@@ -77,8 +81,8 @@ fn write(path: &Path, text: &str) -> Result<PathBuf, ExportError> {
 const README: &str = "\
 # Test cases for illuminance
 
-Each folder is a case: `scene.xml` (Mitsuba 3, an irradiance meter with the id `point-NAME` for each point), `scene.rad` and
-`points.txt` (Radiance: x y z nx ny nz, one point a line). `points.csv` names all points. Lengths are in metres. Lights are
+Each folder is a case: `scene.xml` and `places.txt` (Mitsuba 3; the frame of a point on each line), `scene.rad` and `points.txt`
+(Radiance; x y z nx ny nz on each line). `points.csv` names all points. Lengths are in metres. Lights are
 grey and their numbers photometric: a radiance of 1 stands for 1 cd/m², so that the irradiance a program gives is
 illuminance in lx.
 
@@ -102,13 +106,13 @@ a disk light makes that light vanish for later points. `tests/peers/verify_radia
 
 ## Mitsuba 3
 
-    import mitsuba as mi, numpy as np
+    import math, mitsuba as mi, numpy as np
     mi.set_variant('scalar_rgb')
-    scene = mi.load_file('CASE/scene.xml', spp=65536)
-    for index, sensor in enumerate(scene.sensors()):                  # in another order than in the file
-        print(sensor.id(), np.array(mi.render(scene, sensor=index)).mean())
+    for place in open('CASE/places.txt'):
+        scene = mi.load_file('CASE/scene.xml', place=place.strip(), spp=4096)
+        print(math.pi * np.array(mi.render(scene)).mean())
 
-The one pixel of each picture is the illuminance; a point in a name is an underscore in the id. In spectral variants a flat radiance of 1 has a luminance of 1.001 (the
+A radiance meter looks at a small white patch, hence the factor. In spectral variants a flat radiance of 1 has a luminance of 1.001 (the
 sum of its tables over the constant by which it divides), which is to be divided out. `tests/peers/verify_mitsuba.py` of
 the project does all this.
 

@@ -5,8 +5,12 @@ use core::fmt::Write as _;
 use super::case::Work;
 use super::model::{Light, Model, SensorPoint, Shape, Vec3, cross, unit};
 
-/// Half the side of a meter, m: small against every distance in the cases.
-const METER: f64 = 2e-4;
+/// Half the side of the white patch that stands for a point, m: small against every distance in the cases.
+const PATCH: f64 = 2e-4;
+/// How far the patch is in front of the point, m: surfaces that the point lies on must not hide it.
+const LIFT: f64 = 2e-5;
+/// How far the meter is from the patch, m.
+const REACH: f64 = 1e-3;
 
 /// The scene for this project's own reader, lights in photometric quantities. Files of luminaires are named by their index:
 /// `luminaire-0`, `luminaire-1` …, with the extension kept.
@@ -49,11 +53,15 @@ pub fn luminaire_name(index: usize, file: &std::path::Path) -> String {
     format!("luminaire-{index}.{extension}")
 }
 
-/// The scene for Mitsuba 3, with an irradiance meter at each point; numbers are photometric (a radiance of 1 is 1 cd/m²).
-/// `None` if a light can't be said in plain Mitsuba.
+/// The scene for Mitsuba 3; numbers are photometric (a radiance of 1 is 1 cd/m²). `None` if a light can't be said in plain
+/// Mitsuba.
+///
+/// The parameter `place` is a point's frame ([`place`]). A small white patch lies there, and a radiance meter looks at it: π
+/// times what it reads is illuminance. Mitsuba's irradiance meters find no light but what a random ray hits, so that points
+/// and parallel light are dark to them; and meters of one scene would shade each other.
 #[must_use]
-pub fn plain_scene(model: &Model, points: &[SensorPoint], about: &str, depth: i32) -> Option<String> {
-    let mut xml = head(Some((about, depth)));
+pub fn plain_scene(model: &Model, first: &SensorPoint, about: &str, depth: i32) -> Option<String> {
+    let mut xml = head(Some((about, depth, first)));
     for surface in &model.surfaces {
         let emitter = spectral("area", "radiance", surface.exitance / core::f64::consts::PI);
         shape(&mut xml, &surface.shape, surface.reflectance, if surface.exitance > 0.0 { &emitter } else { "" });
@@ -73,20 +81,20 @@ pub fn plain_scene(model: &Model, points: &[SensorPoint], about: &str, depth: i3
             Light::Photometric { .. } => return None,
         };
     }
-    for (index, sensor) in points.iter().enumerate() {
-        meter(&mut xml, sensor, index);
-    }
+    xml += &meter();
     xml += "</scene>\n";
     Some(xml)
 }
 
 /// Everything before the shapes; for Mitsuba with the integrator and what the case is about.
-fn head(mitsuba: Option<(&str, i32)>) -> String {
-    let Some((about, depth)) = mitsuba else { return "<scene version=\"3.0.0\">\n".to_owned() };
+fn head(mitsuba: Option<(&str, i32, &SensorPoint)>) -> String {
+    let Some((about, depth, first)) = mitsuba else { return "<scene version=\"3.0.0\">\n".to_owned() };
     let about = about.replace('&', "and").replace('<', "below").replace("--", "-");
     format!(
-        "<!-- {about} -->\n<scene version=\"3.0.0\">\n  <default name=\"spp\" value=\"65536\"/>\n  \
-         <integrator type=\"path\"><integer name=\"max_depth\" value=\"{depth}\"/></integrator>\n"
+        "<!-- {about} -->\n<scene version=\"3.0.0\">\n  <default name=\"spp\" value=\"4096\"/>\n  \
+         <default name=\"place\" value=\"{}\"/>\n  \
+         <integrator type=\"path\"><integer name=\"max_depth\" value=\"{depth}\"/></integrator>\n",
+        place(first)
     )
 }
 
@@ -129,21 +137,24 @@ fn shape(xml: &mut String, shape: &Shape, reflectance: f64, emitter: &str) {
     let _ = writeln!(xml, "  <shape type=\"{kind}\">\n    {place}\n    {bsdf}{emitter}\n  </shape>");
 }
 
-/// A tiny black rectangle that measures irradiance. Each has a seed of its own: Mitsuba makes one of sensors that are
-/// alike but for their ids, and then refuses it for belonging to several shapes.
-fn meter(xml: &mut String, sensor: &SensorPoint, seed: usize) {
-    let (u, v) = frame(sensor.normal);
-    let tiny = |a: Vec3| a.map(|x| x * METER);
-    let _ = writeln!(
-        xml,
-        "  <shape type=\"rectangle\">\n    {}\n    {}<sensor type=\"irradiancemeter\" id=\"{}\"><sampler \
-         type=\"independent\"><integer name=\"sample_count\" value=\"$spp\"/><integer name=\"seed\" value=\"{seed}\"/></sampler><film type=\"hdrfilm\"><integer \
-         name=\"width\" value=\"1\"/><integer name=\"height\" value=\"1\"/><string name=\"pixel_format\" \
-         value=\"luminance\"/><rfilter type=\"box\"/></film></sensor>\n  </shape>",
-        matrix(tiny(u), tiny(v), sensor.normal, sensor.position),
-        diffuse(0.0),
-        format_args!("point-{}", sensor.name.replace('.', "_")),
-    );
+/// The white patch at the place that the scene is given, and the meter that looks at it.
+fn meter() -> String {
+    format!(
+        "  <shape type=\"rectangle\">\n    <transform name=\"to_world\"><scale value=\"{PATCH}\"/><translate z=\"{LIFT}\"/>\
+         <matrix value=\"$place\"/></transform>\n    {}\n  </shape>\n  <sensor type=\"radiancemeter\">\n    <transform \
+         name=\"to_world\"><lookat origin=\"0, 0, {REACH}\" target=\"0, 0, 0\" up=\"0, 1, 0\"/><matrix value=\"$place\"/>\
+         </transform>\n    <sampler type=\"independent\"><integer name=\"sample_count\" value=\"$spp\"/></sampler>\n    <film \
+         type=\"hdrfilm\"><integer name=\"width\" value=\"1\"/><integer name=\"height\" value=\"1\"/><string \
+         name=\"pixel_format\" value=\"luminance\"/><rfilter type=\"box\"/></film>\n  </sensor>\n",
+        diffuse(1.0)
+    )
+}
+
+/// The frame of a point as the 16 numbers of a matrix, row by row: its normal is the third column, its position the last.
+#[must_use]
+pub fn place(point: &SensorPoint) -> String {
+    let (u, v) = frame(point.normal);
+    rows(u, v, point.normal, point.position)
 }
 
 /// Two unit vectors u, v with u × v = a unit normal.
@@ -155,14 +166,18 @@ fn frame(normal: Vec3) -> (Vec3, Vec3) {
 
 /// `to_world` by its columns.
 fn matrix(u: Vec3, v: Vec3, w: Vec3, origin: Vec3) -> String {
+    format!("<transform name=\"to_world\"><matrix value=\"{}\"/></transform>", rows(u, v, w, origin))
+}
+
+/// A matrix by its columns, as its rows.
+fn rows(u: Vec3, v: Vec3, w: Vec3, origin: Vec3) -> String {
     let row = |i: usize| format!("{} {} {} {}", u[i], v[i], w[i], origin[i]);
-    let rows = format!("{} {} {} 0 0 0 1", row(0), row(1), row(2));
-    format!("<transform name=\"to_world\"><matrix value=\"{rows}\"/></transform>")
+    format!("{} {} {} 0 0 0 1", row(0), row(1), row(2))
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{own_scene, plain_scene};
+    use super::{own_scene, place, plain_scene};
     use crate::scene::{Geometry, Source, load};
     use crate::verify::model::{Shape, cross, unit};
 
@@ -193,14 +208,16 @@ mod tests {
     }
 
     #[test]
-    fn meters_have_one_id_each() {
+    fn places_are_frames_of_their_points() {
         for case in crate::verify::cases(None) {
-            let xml = plain_scene(&case.model, &case.points, &case.about, -1).unwrap();
-            let mut ids: Vec<_> = xml.match_indices("id=\"point-").map(|(at, _)| xml[at..].split('"').nth(1)).collect();
-            assert_eq!(ids.len(), case.points.len());
-            ids.sort_unstable();
-            ids.dedup();
-            assert_eq!(ids.len(), case.points.len(), "{}", case.name);
+            assert!(plain_scene(&case.model, &case.points[0], &case.about, -1).is_some());
+            for point in &case.points {
+                let m: Vec<f64> = place(point).split(' ').map(|number| number.parse().unwrap()).collect();
+                let column = |j: usize| [m[j], m[4 + j], m[8 + j]];
+                assert_eq!((m.len(), column(2), column(3)), (16, point.normal, point.position));
+                let right_handed = cross(column(0), column(1));
+                assert!((0..3).all(|i| (right_handed[i] - point.normal[i]).abs() <= 1e-12), "{}", case.name);
+            }
         }
     }
 }

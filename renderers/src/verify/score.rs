@@ -35,11 +35,11 @@ pub enum ScoreFault {
 
 impl core::fmt::Display for ScoreError {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        if self.line == 0 {
-            write!(f, "{}: ", self.file)?
-        } else {
-            write!(f, "{}:{}: ", self.file, self.line)?
+        f.write_str(&self.file)?;
+        if self.line > 0 {
+            write!(f, ":{}", self.line)?;
         }
+        f.write_str(": ")?;
         match &self.fault {
             ScoreFault::Unreadable(why) => f.write_str(why),
             ScoreFault::Cells(count) => write!(f, "case,point,value expected, but there are {count} cells"),

@@ -69,7 +69,7 @@ fn by_meter(
     indirect: Option<&dyn IndirectLight>,
     share: f64,
 ) -> Result<Vec<Answer>, String> {
-    let settings = Settings { accuracy: DIRECT_ACCURACY, ..Settings::default() };
+    let settings = Settings { accuracy: DIRECT_ACCURACY };
     let meter = Meter::new(scene, settings, indirect).map_err(|error| error.to_string())?;
     let read = |point: &super::SensorPoint| {
         let start = Instant::now();
