@@ -307,7 +307,7 @@ fn bad_ies_files_are_refused_with_line_and_field() {
 
 #[test]
 fn bad_eulumdat_files_are_refused_with_line_and_field() {
-    let rows: [Row; 34] = [
+    let rows: [Row; 37] = [
         (2, "4", 2, "type indicator: must be from 0 to 3, not 4.0"),
         (3, "5", 3, "symmetry indicator: must be from 0 to 4, not 5.0"),
         (3, "-1", 3, "symmetry indicator: must be from 0 to 4, not -1.0"),
@@ -329,6 +329,9 @@ fn bad_eulumdat_files_are_refused_with_line_and_field() {
         (27, "0.5", 27, "number of lamps: 0.5 is not a whole number"),
         (29, "0", 29, "flux of lamps: must be positive, not 0.0"),
         (29, "-2000", 29, "flux of lamps: must be positive, not -2000.0"),
+        (32, "-60", 32, "wattage: must be zero or positive, not -60.0"),
+        (16, "-500", 16, "length of luminous area: must be zero or positive, not -500.0"),
+        (22, "-1", 22, "downward flux fraction: must be zero or positive, not -1.0"),
         (32, "lots", 32, "wattage: \"lots\" is not a number"),
         (42, "?", 42, "direct ratio 10: \"?\" is not a number"),
         (43, "10", 43, "C angle 1: must be 0, where the planes begin, not 10.0"),

@@ -34,13 +34,13 @@ pub fn parse(file: &str, text: &str) -> Result<PhotometricFile> {
     let symmetry = reader.whole("symmetry indicator", 0, 4)?;
     let plane_count = reader.whole("number of C-planes", 1, MOST)?;
     let planes_line = reader.line;
-    reader.extra("distance between C-planes")?;
+    reader.size("distance between C-planes")?;
     let gamma_count = reader.whole("number of intensities in a C-plane", 2, MOST)?;
-    reader.extra("distance between intensities")?;
+    reader.size("distance between intensities")?;
     let labels = reader.labels(company)?;
     let opening = reader.opening()?;
-    let downward = reader.extra("downward flux fraction")?;
-    let output_ratio = reader.extra("light output ratio")?;
+    let downward = reader.size("downward flux fraction")?;
+    let output_ratio = reader.size("light output ratio")?;
     let conversion = reader.positive("conversion factor")?;
     reader.extra("tilt during measurement")?;
     let (lamp_sets, flux) = reader.lamp_sets()?;
@@ -135,6 +135,16 @@ impl<'t> Reader<'t> {
         if text.is_empty() { Ok(0.0) } else { self.parse(field, text) }
     }
 
+    /// The same for what can't be negative.
+    fn size(&mut self, field: &str) -> Result<f64> {
+        let value = self.extra(field)?;
+        if value >= 0.0 {
+            Ok(value)
+        } else {
+            Err(self.fault(field, Fault::Domain { value, wanted: "zero or positive" }))
+        }
+    }
+
     fn positive(&mut self, field: &str) -> Result<f64> {
         let value = self.number(field)?;
         if value > 0.0 { Ok(value) } else { Err(self.fault(field, Fault::Domain { value, wanted: "positive" })) }
@@ -178,13 +188,13 @@ impl<'t> Reader<'t> {
 
     fn opening(&mut self) -> Result<Opening> {
         for field in ["length of luminaire", "width of luminaire", "height of luminaire"] {
-            self.extra(field)?;
+            self.size(field)?;
         }
-        let length = self.extra("length of luminous area")? * METRES_PER_MILLIMETRE;
-        let width = self.extra("width of luminous area")? * METRES_PER_MILLIMETRE;
+        let length = self.size("length of luminous area")? * METRES_PER_MILLIMETRE;
+        let width = self.size("width of luminous area")? * METRES_PER_MILLIMETRE;
         let mut height = 0.0_f64;
         for field in ["C0", "C90", "C180", "C270"] {
-            height = height.max(self.extra(&format!("height of luminous area, {field}-plane"))?);
+            height = height.max(self.size(&format!("height of luminous area, {field}-plane"))?);
         }
         let height = height * METRES_PER_MILLIMETRE;
         // The length runs in C90–C270 here; a width of 0 says that it is a diameter.
@@ -223,10 +233,10 @@ impl<'t> Reader<'t> {
         let first = fluxes.first().copied().unwrap_or(0.0);
         let mut sets = Vec::new();
         for ((number, kind), flux) in numbers.into_iter().zip(kinds).zip(fluxes) {
-            let watts = self.extra("wattage")?;
+            let watts = self.size("wattage")?;
             #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a whole number within bounds")]
             let lamps = number.abs() as u32;
-            let lumens_per_lamp = (number > 0.0).then_some(flux / number);
+            let lumens_per_lamp = (flux / number > 0.0).then_some(flux / number);
             sets.push(LampSet { number: lamps, lumens_per_lamp, watts, kind, factor: flux / first });
         }
         Ok((sets, first))
