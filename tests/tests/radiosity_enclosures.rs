@@ -30,7 +30,9 @@ fn cube(reflectance: f64, rest: &str) -> Scene {
 
 fn lamp(position: [f64; 3]) -> String {
     let [x, y, z] = position;
-    format!("<emitter type='point'><point name='position' x='{x}' y='{y}' z='{z}'/><spectrum name='intensity' value='{INTENSITY}'/></emitter>")
+    format!(
+        "<emitter type='point'><point name='position' x='{x}' y='{y}' z='{z}'/><spectrum name='intensity' value='{INTENSITY}'/></emitter>"
+    )
 }
 
 /// A side² grid of points on each face of the cube, nearer to each other at the edges, each with its share of the area: the midpoint

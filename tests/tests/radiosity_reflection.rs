@@ -154,5 +154,10 @@ fn more_reflections_add_up() {
     assert_eq!(at(2), 0.0);
     // Each return trip brings less than (ρ F)² with F ≤ 0.2394, the factor at the middle.
     let trip: f64 = (0.9_f64 * 0.24).powi(2);
-    assert!(once < thrice && thrice < all && thrice - once < trip * once && all - thrice < trip * trip / (1.0 - trip) * once);
+    assert!(
+        once < thrice
+            && thrice < all
+            && thrice - once < trip * once
+            && all - thrice < trip * trip / (1.0 - trip) * once
+    );
 }

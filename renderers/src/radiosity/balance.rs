@@ -52,13 +52,17 @@ pub(super) fn balance(patches: &Patches, links: &[Link], transport: &mut Transpo
     }
     let closed: Vec<bool> = transport.leaves.iter().map(|leaf| !open[group_of(&mut groups, *leaf)]).collect();
     let off = |sums: &[f64]| {
-        sums.iter().zip(&closed).filter(|(_, closed)| **closed).fold(0.0_f64, |off, (sum, _)| off.max((sum - 1.0).abs()))
+        sums.iter()
+            .zip(&closed)
+            .filter(|(_, closed)| **closed)
+            .fold(0.0_f64, |off, (sum, _)| off.max((sum - 1.0).abs()))
     };
     let before = off(&sums);
     for _ in 0..ROUNDS {
-        let excess = sums.iter().zip(&closed).fold(0.0_f64, |most, (sum, closed)| {
-            most.max(if *closed { (sum - 1.0).abs() } else { sum - 1.0 })
-        });
+        let excess = sums
+            .iter()
+            .zip(&closed)
+            .fold(0.0_f64, |most, (sum, closed)| most.max(if *closed { (sum - 1.0).abs() } else { sum - 1.0 }));
         if excess <= NEAR {
             break;
         }

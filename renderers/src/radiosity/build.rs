@@ -1,5 +1,6 @@
 //! From roots to patches and links that are fine enough.
 
+use super::Settings;
 use super::error::RadiosityError;
 use super::link::{self, Oracle};
 use super::mesh::Patches;
@@ -7,7 +8,6 @@ use super::scalar::luminous;
 use super::solve::System;
 use super::source::{self, Source};
 use super::transport::{Buffer, Link, Transport};
-use super::Settings;
 use crate::spectral::Palette;
 
 /// Passes of refinement, each to a quarter of the flux of the one before.
@@ -104,4 +104,3 @@ impl<'s> Builder<'s> {
         (nodes, flux)
     }
 }
-

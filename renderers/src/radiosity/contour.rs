@@ -155,14 +155,14 @@ impl<'e> Inner<'e> {
             return self.integral(from, cut, tolerance, depth - 1) + self.integral(cut, to, tolerance, depth - 1);
         }
         if is_singular {
-            return self.from_singular_end([start, end]);
+            return self.away_from_singular_end([start, end]);
         }
         let points = &rule(nodes.clamp(2, MOST_NODES)).points;
         points.iter().map(|(x, w)| w * self.at(from + (to - from) * x)).sum::<f64>() * (to - from)
     }
 
     /// The integral over a stretch from an end where the integrand behaves like s ln s: with s = x⁴ it is smooth.
-    fn from_singular_end(&self, [singular, other]: [f64; 2]) -> f64 {
+    fn away_from_singular_end(&self, [singular, other]: [f64; 2]) -> f64 {
         let way = other - singular;
         let points = &rule(MOST_NODES).points;
         let sum: f64 = points.iter().map(|(x, w)| w * 4.0 * x.powi(3) * self.at(singular + way * x.powi(4))).sum();

@@ -46,7 +46,9 @@ impl fmt::Display for RadiosityError {
     #[allow(clippy::cast_precision_loss, reason = "megabytes")]
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Material { label } => write!(f, "{label}: radiosity has diffuse and two-sided diffuse surfaces alone"),
+            Self::Material { label } => {
+                write!(f, "{label}: radiosity has diffuse and two-sided diffuse surfaces alone")
+            }
             Self::Light { label } => {
                 write!(f, "radiosity has no {label} lights: use area, point or directional emitters")
             }

@@ -17,7 +17,9 @@ const FEW_NODES: usize = 3;
 ///
 /// Relative error about `tolerance` (at least 10⁻¹³).
 pub(super) fn exchange(p: &Polygon, q: &Polygon, slack: f64, tolerance: f64) -> f64 {
-    let (Some(p), Some(q)) = (p.above(q.centre, q.normal, slack), q.above(p.centre, p.normal, slack)) else { return 0.0 };
+    let (Some(p), Some(q)) = (p.above(q.centre, q.normal, slack), q.above(p.centre, p.normal, slack)) else {
+        return 0.0;
+    };
     let (small, large) = if p.radius <= q.radius { (&p, &q) } else { (&q, &p) };
     let distance = (p.centre - q.centre).length();
     let gap = if distance > 4.0 * large.radius { distance - large.radius } else { large.distance(small.centre) };
@@ -175,7 +177,11 @@ mod tests {
                     };
                     parts = parts.iter().flat_map(split).collect();
                     let sum: f64 = parts.iter().map(|(p, q)| exchange(p, q, 1e-12, TOLERANCE)).sum();
-                    assert!((sum - whole).abs() <= 1e-11 * whole + 1e-16, "{level}: {sum} {whole} {:e}", sum / whole - 1.0);
+                    assert!(
+                        (sum - whole).abs() <= 1e-11 * whole + 1e-16,
+                        "{level}: {sum} {whole} {:e}",
+                        sum / whole - 1.0
+                    );
                 }
             }
         }

@@ -7,7 +7,7 @@ use super::Solution;
 use super::mesh::{Node, Patches};
 use super::polygon::Polygon;
 use super::shade::{Eye, MOST_BLOCKERS};
-use super::sight::{shaft_end, spread, surface_point};
+use super::sight::{Sight, shaft_end, spread, surface_point};
 use crate::geometry::{Shaft, ShaftEnd, SurfacePoint};
 
 /// How finely patches that are partly seen are split for that.
@@ -15,7 +15,7 @@ const DEPTH: u32 = 24;
 /// Rays for a part that is too small to be split.
 const RAYS: u32 = 4;
 /// Patches that may be taken for one are those that change the result by less than this share of the accuracy each.
-const SHARE: f64 = 0.03;
+const SHARE: f64 = 0.01;
 
 /// A receiver, ready for rays.
 pub(super) struct Place<'s> {
@@ -43,10 +43,23 @@ impl<'s> Place<'s> {
         polygon.configuration_factor(self.position, self.normal)
     }
 
+    /// Whether one blocker hides all of a polygon.
+    fn is_hidden(&self, polygon: &Polygon, primitive: u32) -> bool {
+        let to = surface_point(polygon.centre, polygon.normal, primitive);
+        let hit = self.patches.world.closest_hit(&self.point.ray_between(&to));
+        hit.is_some_and(|hit| {
+            self.patches.sight_past(hit.primitive, &[self.position], polygon.corners()) == Sight::Blocked
+        })
+    }
+
     /// What may be in the way of a polygon; `None` if that is much.
     fn blockers(&self, polygon: &Polygon, primitive: u32) -> Option<Vec<u32>> {
         let shaft = Shaft::between(&self.end, &shaft_end(polygon, primitive));
-        self.patches.world.shaft_blockers(&shaft, MOST_BLOCKERS)
+        let mut blockers = self.patches.world.shaft_blockers(&shaft, MOST_BLOCKERS)?;
+        // Those first that may hide all of it.
+        let area = |primitive: &u32| self.patches.world.area(*primitive);
+        blockers.sort_by(|a, b| area(b).total_cmp(&area(a)));
+        Some(blockers)
     }
 
     /// The configuration factor of the parts of a polygon that are seen among so many blockers.
@@ -110,6 +123,9 @@ impl Solution<'_> {
         }
         let blockers = if clear { Some(Vec::new()) } else { place.blockers(&node.polygon, node.primitive) };
         let clear = blockers.as_ref().is_some_and(Vec::is_empty);
+        if !clear && place.is_hidden(&node.polygon, node.primitive) {
+            return;
+        }
         let varies = match blockers {
             // With few blockers the parts that are seen are known.
             Some(_) => self.spreads[index],

@@ -79,7 +79,10 @@ fn link(patches: &Patches, p: u32, q: u32, clear: bool) -> Option<Link> {
 pub(super) fn of_roots(patches: &Patches, oracle: &Oracle<'_>) -> Result<Vec<Link>, RadiosityError> {
     let roots = u32::try_from(patches.roots).unwrap_or(u32::MAX);
     oracle.check(patches.roots, patches.roots.saturating_mul(patches.roots) / 4)?;
-    Ok((0..roots).into_par_iter().flat_map_iter(|p| (p + 1..roots).filter_map(move |q| link(patches, p, q, false))).collect())
+    Ok((0..roots)
+        .into_par_iter()
+        .flat_map_iter(|p| (p + 1..roots).filter_map(move |q| link(patches, p, q, false)))
+        .collect())
 }
 
 /// Refines links until each is good enough.
@@ -109,7 +112,11 @@ pub(super) fn refine(
 /// Replaces a link by links to the halves of its larger end, or of the other if that can't be split.
 fn subdivide(patches: &mut Patches, link: &Link, oracle: &mut Oracle<'_>, pairs: &mut Vec<(u32, u32, bool)>) -> bool {
     let radius = |n: u32| patches.nodes[n as usize].polygon.radius;
-    let ends = if radius(link.p) >= radius(link.q) { [(link.p, link.q), (link.q, link.p)] } else { [(link.q, link.p), (link.p, link.q)] };
+    let ends = if radius(link.p) >= radius(link.q) {
+        [(link.p, link.q), (link.q, link.p)]
+    } else {
+        [(link.q, link.p), (link.p, link.q)]
+    };
     for (large, other) in ends {
         if patches.split(large as usize) {
             oracle.radiosity.resize(patches.nodes.len(), oracle.radiosity[large as usize]);

@@ -15,7 +15,7 @@ const DISK_CORNERS: u32 = 24;
 /// How often the faces of an icosahedron are split in four to make the polyhedron, of the sphere's area, that stands for a sphere.
 const SPHERE_LEVELS: u32 = 2;
 /// Lengths below this share of the scene's largest coordinate are 0.
-const RELATIVE_SLACK: f64 = 1e-10;
+pub(super) const RELATIVE_SLACK: f64 = 1e-10;
 
 /// What one side of a surface does.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -197,7 +197,8 @@ fn sphere(centre: DVec3, radius: f64, inward: bool) -> (Vec<DVec3>, Vec<[u32; 3]
         triangles = finer;
     }
     let corner = |i: u32| positions[i as usize];
-    let area: f64 = triangles.iter().map(|&[a, b, c]| (corner(b) - corner(a)).cross(corner(c) - corner(a)).length()).sum();
+    let area: f64 =
+        triangles.iter().map(|&[a, b, c]| (corner(b) - corner(a)).cross(corner(c) - corner(a)).length()).sum();
     let scale = radius * (8.0 * core::f64::consts::PI / area).sqrt();
     let positions = positions.iter().map(|p| centre + *p * scale).collect();
     if inward {
@@ -249,7 +250,8 @@ impl<'b> Neighbours<'b> {
     /// The pieces of a polygon, which is or was on a primitive.
     fn cut(&self, polygon: Polygon, primitive: u32) -> Vec<Polygon> {
         let mut pieces = vec![polygon];
-        let (from, to) = (polygon.centre.x - polygon.radius - self.slack, polygon.centre.x + polygon.radius + self.slack);
+        let (from, to) =
+            (polygon.centre.x - polygon.radius - self.slack, polygon.centre.x + polygon.radius + self.slack);
         let first = self.order.partition_point(|(begin, _)| *begin < from - self.widest);
         for (begin, index) in &self.order[first..] {
             if *begin > to {

@@ -107,7 +107,8 @@ impl Polygon {
         let longest = (1..n).fold(0, |best, i| if length(i) > length(best) * (1.0 + 1e-9) { i } else { best });
         let middle = |i: usize| (self.corners[i % n] + self.corners[(i + 1) % n]) / 2.0;
         let half = n / 2;
-        let (cut, end) = (middle(longest), if n == 3 { self.corners[(longest + 2) % n] } else { middle(longest + half) });
+        let (cut, end) =
+            (middle(longest), if n == 3 { self.corners[(longest + 2) % n] } else { middle(longest + half) });
         // From the cut over the corners to the end, and from the end over the others to the cut.
         let mut first = vec![cut];
         first.extend((1..=half).map(|k| self.corners[(longest + k) % n]));

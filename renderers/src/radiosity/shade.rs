@@ -54,11 +54,23 @@ impl Patches {
             if edge_on {
                 continue;
             }
-            let shadow: Vec<(DVec3, DVec3)> = before
-                .edges()
-                .filter_map(|edge| Some((edge[0], eye.plane(edge, before.centre)?)))
-                .collect();
-            parts = parts.iter().flat_map(|part| self.outside(part, &shadow)).collect();
+            let shadow: Vec<(DVec3, DVec3)> =
+                before.edges().filter_map(|edge| Some((edge[0], eye.plane(edge, before.centre)?))).collect();
+            if !parts.iter().any(|part| self.reaches(part, &shadow)) {
+                continue;
+            }
+            let mut left = Vec::with_capacity(2 * parts.len());
+            for part in &parts {
+                if self.reaches(part, &shadow) {
+                    self.outside(part, &shadow, &mut left);
+                } else {
+                    left.push(*part);
+                }
+            }
+            parts = left;
+            if parts.is_empty() {
+                break;
+            }
             if parts.len() > MOST_PARTS {
                 return None;
             }
@@ -66,9 +78,14 @@ impl Patches {
         Some(parts)
     }
 
-    /// What is left of a part outside the cone on the inner side of planes, each given by a point and a normal.
-    fn outside(&self, part: &Polygon, cone: &[(DVec3, DVec3)]) -> Vec<Polygon> {
-        let mut left = Vec::new();
+    /// Whether a part may be in a cone: none of its planes has all of the part outside.
+    fn reaches(&self, part: &Polygon, cone: &[(DVec3, DVec3)]) -> bool {
+        !cone.iter().any(|(point, normal)| part.corners().iter().all(|c| (*c - *point).dot(*normal) <= self.slack))
+    }
+
+    /// Adds what is left of a part outside the cone on the inner side of planes, each given by a point and a normal.
+    fn outside(&self, part: &Polygon, cone: &[(DVec3, DVec3)], left: &mut Vec<Polygon>) {
+        let before = left.len();
         let mut inside = vec![*part];
         for (point, normal) in cone {
             let mut next = Vec::new();
@@ -77,11 +94,12 @@ impl Patches {
                 next.extend(piece.above(*point, *normal, self.slack).into_iter().flat_map(few_corners));
             }
             if next.is_empty() {
-                // All of it is outside one plane: it needs no cuts.
-                return vec![*part];
+                // All of it is outside: it needs no cuts.
+                left.truncate(before);
+                left.push(*part);
+                return;
             }
             inside = next;
         }
-        left
     }
 }

@@ -57,9 +57,8 @@ impl Patches {
                     return Sight::Mixed;
                 }
                 let place = *a + (*b - *a) * t;
-                let is_inside = |[c, d]: [DVec3; 2]| {
-                    (d - c).cross(place - c).dot(blocker.normal) >= -self.slack * (d - c).length()
-                };
+                let is_inside =
+                    |[c, d]: [DVec3; 2]| (d - c).cross(place - c).dot(blocker.normal) >= -self.slack * (d - c).length();
                 if !blocker.edges().all(is_inside) {
                     return Sight::Mixed;
                 }
@@ -77,7 +76,8 @@ impl Patches {
             let (x, y) = (p.polygon.point([a, b]), q.polygon.point([c, d]));
             let way = y - x;
             let squared = way.length_squared();
-            let weight = way.dot(p.polygon.normal).max(0.0) * (-way.dot(q.polygon.normal)).max(0.0) / (squared * squared);
+            let weight =
+                way.dot(p.polygon.normal).max(0.0) * (-way.dot(q.polygon.normal)).max(0.0) / (squared * squared);
             if weight > 0.0 {
                 all += weight;
                 let from = surface_point(x, p.polygon.normal, p.primitive);
@@ -106,11 +106,7 @@ impl Patches {
 /// Point `index` of a sequence in four dimensions without clusters (M. Roberts, "The unreasonable effectiveness of quasirandom
 /// sequences", 2018): multiples of the powers of 1/g, g⁵ = g + 1.
 pub(super) fn spread(index: u32) -> [f64; 4] {
-    const STEPS: [f64; 4] = [
-        0.856_674_883_854_502_9,
-        0.733_891_856_627_126,
-        0.628_706_721_037_810_9,
-        0.538_597_257_223_612_9,
-    ];
+    const STEPS: [f64; 4] =
+        [0.856_674_883_854_502_9, 0.733_891_856_627_126, 0.628_706_721_037_810_9, 0.538_597_257_223_612_9];
     STEPS.map(|step| (0.5 + step * f64::from(index + 1)).fract())
 }

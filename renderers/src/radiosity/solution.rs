@@ -28,7 +28,8 @@ impl<'r> Solution<'r> {
         }
         let relative = |value: f64, mean: f64| if mean > 0.0 { value / mean } else { 0.0 };
         #[allow(clippy::cast_precision_loss, reason = "components are few")]
-        let level = |row: &[f64]| row.iter().zip(&means).map(|(b, m)| relative(b.abs(), *m)).sum::<f64>() / width as f64;
+        let level =
+            |row: &[f64]| row.iter().zip(&means).map(|(b, m)| relative(b.abs(), *m)).sum::<f64>() / width as f64;
         let levels = nodes.chunks(width).map(level).collect();
         let spreads = spreads(radiosity, width, &nodes, &means, relative);
         Self { radiosity, width, nodes, levels, spreads, report }
@@ -42,6 +43,11 @@ impl<'r> Solution<'r> {
     /// Patches, links, convergence and balance.
     pub const fn report(&self) -> &Report {
         &self.report
+    }
+
+    /// The relative error that was aimed at, with that of the iteration.
+    pub(super) fn relative_error(&self) -> f64 {
+        self.radiosity.settings.accuracy + self.report.iteration_error
     }
 
     /// Reflected radiosity of each patch in the unit of the lights' radiance times sr, with the patch's area: one value for each component.

@@ -113,7 +113,8 @@ impl System<'_> {
             self.transport.apply(&radiosity, &mut image, width, buffer);
             image.iter_mut().zip(&direction).zip(&weight).for_each(|((k, d), w)| *k = d - *k * w);
             let curvature = dots(&direction, &image, width);
-            let length: Vec<f64> = squared.iter().zip(&curvature).map(|(s, c)| if *c > 0.0 { s / c } else { 0.0 }).collect();
+            let length: Vec<f64> =
+                squared.iter().zip(&curvature).map(|(s, c)| if *c > 0.0 { s / c } else { 0.0 }).collect();
             add(&mut found, &direction, &length, 1.0);
             add(&mut residual, &image, &length, -1.0);
             let next = dots(&residual, &residual, width);

@@ -1,6 +1,6 @@
 //! Light from points and from far away on patches. Area lights are patches themselves.
 
-use glam::DVec3;
+use glam::{DVec3, Vec3A};
 use rayon::prelude::*;
 
 use super::error::RadiosityError;
@@ -91,7 +91,7 @@ impl Source {
             Eye::At(position) => ShaftEnd::within(position, position, NO_PRIMITIVE),
             Eye::Along(direction) => {
                 // A copy of the patch beyond everything.
-                let [low, high] = patches.world.bounds().map(|b| b.as_dvec3());
+                let [low, high] = patches.world.bounds().map(Vec3A::as_dvec3);
                 let away = -direction * ((high - low).length() * 1.01 + patches.slack);
                 let corners: Vec<DVec3> = polygon.corners().iter().map(|c| *c + away).collect();
                 ShaftEnd::polygon(&corners, direction, NO_PRIMITIVE)

@@ -61,7 +61,8 @@ impl UniformBins {
         &self.weights
     }
 
-    fn centre(&self, bin: usize) -> f64 {
+    /// The middle of a bin in nm.
+    pub(crate) fn centre(&self, bin: usize) -> f64 {
         let [from, to] = limits(bin, self.count);
         (from + to) / 2.0
     }
