@@ -2,11 +2,12 @@
 //!
 //! - [`partition`]: subdivision of a disk into subsources by four methods, uniform or by size over distance.
 //! - Continuous maps with densities and inverses: [`square_to_disk`] and its relatives.
-//! - Configuration factors in closed form: [`polygon_configuration_factor`].
+//! - [`estimate`]: illuminance with any emission and visibility, by few samples, to a requested relative error.
+//! - Configuration factors in closed form: [`disk_configuration_factor`], [`sphere_configuration_factor`], [`polygon_configuration_factor`].
 #![no_std]
-extern crate std;
 
 mod configuration_factor;
+pub mod estimate;
 mod map;
 pub mod partition;
 mod shape;
