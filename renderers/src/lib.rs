@@ -15,4 +15,5 @@ pub mod render;
 pub mod report;
 pub mod scene;
 pub mod spectral;
+pub mod verify;
 pub mod whitted;

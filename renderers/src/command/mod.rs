@@ -7,6 +7,7 @@ mod illuminance;
 mod light;
 mod render;
 mod scene;
+mod verify;
 
 use std::io::Write as _;
 use std::process::ExitCode;
@@ -39,6 +40,8 @@ enum Command {
     Illuminance(illuminance::Arguments),
     /// List the built-in scenes, or write one out as files for other renderers.
     Scene(scene::Arguments),
+    /// Analytic test cases for illuminance: judge this project, or write them for other programs and judge those.
+    Verify(verify::Arguments),
 }
 
 /// Bad input, in one line.
@@ -66,7 +69,10 @@ pub(crate) fn run() -> ExitCode {
     };
     let json = arguments.json;
     match dispatch(arguments) {
-        Ok(answer) => show(&if json { answer.json.to_string() } else { answer.text }),
+        Ok((answer, code)) => {
+            let shown = show(&if json { answer.json.to_string() } else { answer.text });
+            if shown == ExitCode::SUCCESS { code } else { shown }
+        }
         Err(Failure(line)) => fail(&line),
     }
 }
@@ -97,20 +103,23 @@ fn one_line(error: &str) -> String {
     paragraphs.map(words).filter(|p| !p.is_empty()).collect::<Vec<_>>().join("; ")
 }
 
-fn dispatch(arguments: Arguments) -> Result<Answer, Failure> {
+/// The answer, and how the program is to exit: a check may have failed.
+fn dispatch(arguments: Arguments) -> Result<(Answer, ExitCode), Failure> {
     if let Some(threads) = arguments.threads {
         if !(1..=1024).contains(&threads) {
             return Err(Failure(format!("--threads must be from 1 to 1024, not {threads}")));
         }
         rayon::ThreadPoolBuilder::new().num_threads(threads).build_global()?;
     }
-    match arguments.command {
+    let answer = match arguments.command {
+        Command::Verify(verify) => return verify.run(),
         Command::Render(render) => render.run(),
         Command::Compare(compare) => compare.run(),
         Command::Light(light) => light.run(),
         Command::Illuminance(illuminance) => illuminance.run(),
         Command::Scene(scene) => scene.run(),
-    }
+    }?;
+    Ok((answer, ExitCode::SUCCESS))
 }
 
 #[cfg(test)]
@@ -128,7 +137,7 @@ mod tests {
         for (arguments, expected) in [
             (
                 &[][..],
-                "'spectral' requires a subcommand but one was not provided [subcommands: render, compare, light, illuminance, scene, help]",
+                "'spectral' requires a subcommand but one was not provided [subcommands: render, compare, light, illuminance, scene, verify, help]",
             ),
             (
                 &["render", "--sise", "4x4"],
