@@ -39,6 +39,9 @@ impl<R: Real> Cone<R> {
 
     /// The configuration factor to an element whose horizon cuts the cone.
     pub(super) fn cut(&self, horizon: &Horizon<R>) -> R {
+        if !(self.irradiance() > R::ZERO) {
+            return R::ZERO;
+        }
         let n = horizon.normal;
         let below = n[2] > R::ZERO;
         let whole = if below { n[2] * self.irradiance() } else { R::ZERO };

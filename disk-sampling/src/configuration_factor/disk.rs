@@ -105,12 +105,19 @@ impl<R: Real> View<R> {
     fn new(disk: &Disk<R>, position: Vector<R>) -> Option<Self> {
         let offset = wide_difference(disk.centre(), position);
         let factor = power_of_two(offset.iter().fold(disk.radius(), |m, x| m.max(x.value().abs())))?;
-        let offset = offset.map(|x| x * factor);
+        let offset = offset.map(|x| x.scaled(factor));
         let radius = disk.radius() * factor;
         let height = -wide_dot(offset, widened(disk.normal())).value();
         // |offset|² − r²: positive outside the sphere that has the disk's rim as a great circle.
         let power = (wide_dot(offset, offset) - DoubleWord::product(radius, radius)).value();
-        let height = if height == R::ZERO && !(power > R::ZERO) { radius * R::EPSILON * R::EPSILON } else { height };
+        // Over the disk and its rim the factor has a limit, reached here before squares underflow.
+        let least = radius * R::EPSILON / R::from_f64(16.0);
+        let (offset, height) = if height >= R::ZERO && height < least && power <= radius * height * R::EPSILON {
+            let lifted = |i: usize| offset[i] - DoubleWord::product(disk.normal()[i], least - height);
+            (core::array::from_fn(lifted), least)
+        } else {
+            (offset, height)
+        };
         if !(height > R::ZERO) {
             return None;
         }

@@ -32,6 +32,11 @@ impl<R: Real> DoubleWord<R> {
         Self { high, low: ((a1 * b1 - high) + a1 * b2 + a2 * b1) + a2 * b2 }
     }
 
+    /// Times a power of two, exactly.
+    pub(super) fn scaled(self, power: R) -> Self {
+        Self { high: self.high * power, low: self.low * power }
+    }
+
     /// The nearest number.
     pub(super) fn value(self) -> R {
         self.high

@@ -21,8 +21,8 @@ pub use polygon::{polygon_configuration_factor, polygon_irradiance_vector};
 pub use rectangle::{rectangle_parallel_factor, rectangle_perpendicular_factor};
 pub use sphere::sphere_configuration_factor;
 
-/// Whether a sum of terms of the given total size keeps enough digits where it comes out as `sum`: all but 5 bits of 24, all but 9 of 53.
+/// Whether a sum of terms of the given total size keeps enough digits where it comes out as `sum`: all but 5 bits of 24, all but 7 of 53.
 fn keeps_digits<R: Real>(sum: R, terms: R) -> bool {
-    let loss = R::from_f64(if R::EPSILON.to_f64() < 1e-10 { 512.0 } else { 32.0 });
+    let loss = R::from_f64(if R::EPSILON.to_f64() < 1e-10 { 128.0 } else { 32.0 });
     sum > R::ZERO && sum * loss >= terms
 }

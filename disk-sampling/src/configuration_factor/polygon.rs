@@ -29,6 +29,9 @@ pub fn polygon_configuration_factor<R: Real>(point: Vector<R>, normal: Vector<R>
     if highest < -R::from_f64(8.0) * R::EPSILON {
         return R::ZERO;
     }
+    if view.is_edge_on() {
+        return R::ZERO;
+    }
     let (terms, factor) = view.lambert(normal);
     let factor = factor.abs();
     if keeps_digits(factor, terms) {
@@ -85,7 +88,7 @@ impl<'a, R: Real> View<'a, R> {
     }
 
     fn wide(&self, corner: Vector<R>) -> WideVector<R> {
-        wide_difference(corner, self.point).map(|x| x * self.scale)
+        wide_difference(corner, self.point).map(|x| x.scaled(self.scale))
     }
 
     fn relative(&self) -> impl Iterator<Item = Vector<R>> {
@@ -138,6 +141,18 @@ impl<'a, R: Real> View<'a, R> {
         (terms * scale, sum * scale)
     }
 
+    /// Whether the point is in the polygon's plane; exact.
+    fn is_edge_on(&self) -> bool {
+        let Some((first, rest)) = self.corners.split_first() else { return true };
+        let a = self.seen(*first);
+        let rounding = R::from_f64(32.0) * R::EPSILON;
+        let clear = rest.windows(2).any(|pair| match pair {
+            [b, c] => dot(a, cross(self.seen(*b), self.seen(*c))).abs() > rounding,
+            _ => false,
+        });
+        !clear && self.triangles(|part| part.volume().abs()) == R::ZERO
+    }
+
     /// The sum of `part` over the triangles from the first corner.
     fn triangles(&self, part: impl Fn(&Part<R>) -> R) -> R {
         let Some((first, rest)) = self.corners.split_first() else { return R::ZERO };
@@ -157,12 +172,18 @@ struct Part<R> {
 }
 
 impl<R: Real> Part<R> {
+    /// Area times the height of the point over the triangle's plane, signed by the sense of its corners.
+    fn volume(&self) -> R {
+        let [a, b, c] = self.corners;
+        wide_dot(a, wide_cross(minus(b, a), minus(c, a))).value() * R::HALF
+    }
+
     /// What the triangle adds to the factor of an element with this normal, signed by the sense of the corners; `mean` is the integral
     /// over the triangle, or over its part above the horizon.
     fn factor(&self, normal: Vector<R>, mean: impl Fn([Corner<R>; 3]) -> R) -> R {
         let [a, b, c] = self.corners;
         let (ab, ac) = (minus(b, a), minus(c, a));
-        let volume = wide_dot(a, wide_cross(ab, ac)).value() * R::HALF;
+        let volume = self.volume();
         let corner = |x: WideVector<R>, reference: WideVector<R>| Corner {
             position: rounded(x),
             offset: rounded(minus(x, reference)),

@@ -25,7 +25,7 @@ pub fn sphere_configuration_factor<R: Real>(sphere: &Sphere<R>, receiver: &Recei
     let Some(scale) = power_of_two(offset.iter().fold(sphere.radius(), |m, x| m.max(x.value().abs()))) else {
         return R::ZERO;
     };
-    let offset = offset.map(|x| x * scale);
+    let offset = offset.map(|x| x.scaled(scale));
     let radius = sphere.radius() * scale;
     let radius2 = DoubleWord::product(radius, radius);
     let distance2 = wide_dot(offset, offset);
@@ -43,6 +43,11 @@ pub fn sphere_configuration_factor<R: Real>(sphere: &Sphere<R>, receiver: &Recei
         return along.max(R::ZERO) * sine * sine;
     }
     let across = length(cross(offset.map(DoubleWord::value), normal)) / distance;
+    if !(outside > R::ZERO) {
+        // On the surface: half of (1 + cos θ), without the difference.
+        let factor = if along < R::ZERO { across * across / (R::ONE - along) } else { R::ONE + along };
+        return R::HALF * factor;
+    }
     let cone = Cone { narrow: [sine, cosine], wide: [sine, cosine] };
     let chord = cosine * cut.sqrt() / distance;
     cone.cut(&Horizon { normal: [across, R::ZERO, along], chord, ends: -chord * chord })

@@ -30,7 +30,7 @@ impl<R: Real> Corner<R> {
     }
 
     /// Where the way to `end`, on the other side of the horizon, meets it: the point and the shares of the way before and after.
-    fn to_horizon(&self, end: &Self) -> (Self, R, R) {
+    fn meet_horizon(&self, end: &Self) -> (Self, R, R) {
         let range = self.value - end.value;
         let (share, rest) = (self.value / range, -end.value / range);
         (self.toward(end, share, rest, R::ZERO), share, rest)
@@ -56,11 +56,11 @@ pub(super) fn clipped_mean<R: Real>(corners: [Corner<R>; 3]) -> R {
     match above {
         0 => R::ZERO,
         1 => {
-            let ((ab, s, _), (ac, t, _)) = (a.to_horizon(&b), a.to_horizon(&c));
+            let ((ab, s, _), (ac, t, _)) = (a.meet_horizon(&b), a.meet_horizon(&c));
             s * t * mean([a, ab, ac])
         }
         2 => {
-            let ((ab, s, rest), (ac, _, t)) = (a.to_horizon(&b), a.to_horizon(&c));
+            let ((ab, s, rest), (ac, _, t)) = (a.meet_horizon(&b), a.meet_horizon(&c));
             rest * mean([ab, b, c]) + s * t * mean([ab, c, ac])
         }
         _ => mean(corners),
