@@ -34,7 +34,7 @@ fn the_tables_of_disks_are_reproduced() {
     assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stdout));
     let found = json(&output);
     let rows = found["cases"].as_array().unwrap();
-    assert_eq!(rows.len(), 5 + 2 * 2 + 2 * 12);
+    assert_eq!(rows.len(), 5 + 2 * 2 + 2 * 12 + 3 * (12 + 7));
     for row in rows {
         assert!(KEYS.iter().all(|key| row.get(key).is_some()), "{row}");
         assert_eq!((row["status"].as_str(), row["pass"].as_bool()), (Some("pass"), Some(true)), "{row}");

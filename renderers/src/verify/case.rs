@@ -16,6 +16,8 @@ pub enum Work {
     Method(super::disk::Sampling),
     /// The share in per cent of a method's samples that miss the disk when they are spread over their parts (dj = 1).
     Misses(super::disk::Sampling),
+    /// Illuminance under a disk by as few samples as a requested error allows; other programs have no part in it.
+    Request(super::disk::Requested),
 }
 
 impl Work {

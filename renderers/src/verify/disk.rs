@@ -45,6 +45,15 @@ pub struct Sampling {
     pub count: u32,
 }
 
+/// An estimate that is asked for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Requested {
+    /// Relative error.
+    pub relative_error: f64,
+    /// Only what lies at larger x than this is seen of the disk, as past a screen close under it; all of it without.
+    pub seen_beyond: Option<f64>,
+}
+
 /// A disk with its receiver on the axis.
 struct Setup {
     radius: f64,
@@ -59,6 +68,9 @@ pub(super) fn cases() -> Vec<Case> {
     let mut cases = printed();
     for (name, setup) in [("0.4-3.55", &LOW), ("1-1", &WIDE)] {
         cases.extend(samplings().map(|sampling| construction(name, setup, sampling)));
+    }
+    for relative_error in [1e-2, 1e-3, 1e-4] {
+        cases.extend([None, Some(0.35)].map(|seen_beyond| requested(Requested { relative_error, seen_beyond })));
     }
     cases.extend([on_axis("table-2.1", &LOW, 124.705, 3), on_axis("table-2.2", &WIDE, 795.77, 2), receivers()]);
     cases
@@ -171,11 +183,43 @@ fn on_axis(table: &str, setup: &Setup, printed: f64, decimals: i32) -> Case {
 
 /// Receivers on and off the axis, tilted, clipped by their horizon, grazing and near contact, under the disk r = h = 1 m.
 fn receivers() -> Case {
+    let mut case = WIDE.case("disk-light.receivers".into(), "", Work::Direct, Vec::new());
+    case.about = "Disk of 1 m radius and 5000 lm (Lambertian) 1 m above the origin, facing down; receivers at distance off the \
+                  axis, tilted by degrees from upright away from the axis (or towards it), some cut by their horizon. 0.1 % \
+                  asked for."
+        .into();
+    see(&mut case, &places(), 1e-3, None);
+    case
+}
+
+/// The same receivers with samples to a requested error; behind a screen only those that see the whole disk.
+fn requested(requested: Requested) -> Case {
+    let Requested { relative_error, seen_beyond } = requested;
+    let kind = if seen_beyond.is_some() { "screened" } else { "open" };
+    let mut case = WIDE.case(format!("disk.request.{kind}.{relative_error}"), "", Work::Request(requested), Vec::new());
+    let what = seen_beyond.map_or_else(String::new, |x| format!(", of which only what lies at x > {x} m is seen"));
+    case.about = format!(
+        "Disk of 1 m radius and 5000 lm (Lambertian) 1 m above the origin{what}; receivers as in disk-light.receivers; a \
+         relative error of {relative_error} is requested."
+    );
+    let above =
+        |&(_, (point, normal)): &Place| oracle::sees_all_of_a_disk(CENTRE, [0.0, 0.0, -1.0], 1.0, point, normal);
+    let places: Vec<_> = places().into_iter().filter(|place| seen_beyond.is_none() || above(place)).collect();
+    see(&mut case, &places, relative_error, seen_beyond);
+    case
+}
+
+const CENTRE: Vec3 = [0.0, 0.0, 1.0];
+
+/// A receiver's name, position and normal.
+type Place = (&'static str, (Vec3, Vec3));
+
+fn places() -> [Place; 12] {
     let tilted = |x: f64, degrees: f64| {
         let (sine, cosine) = degrees.to_radians().sin_cos();
         ([x, 0.0, 0.0], [sine, 0.0, cosine])
     };
-    let named: [(&str, (Vec3, Vec3)); 12] = [
+    [
         ("axis", tilted(0.0, 0.0)),
         ("axis-tilted-30", tilted(0.0, 30.0)),
         ("axis-tilted-60", tilted(0.0, 60.0)),
@@ -188,21 +232,23 @@ fn receivers() -> Case {
         ("grazing", ([3.0, 0.0, 0.9], [0.0, 0.0, 1.0])),
         ("near-contact", ([0.3, 0.2, 0.95], [0.0, 0.0, 1.0])),
         ("near-contact-tilted-60", ([0.3, 0.2, 0.9], tilted(0.0, 60.0).1)),
-    ];
-    let source = "contour integral over the rim above the horizon (Lambert), by quadrature";
-    let mut case = WIDE.case("disk-light.receivers".into(), "", Work::Direct, Vec::new());
-    case.about = "Disk of 1 m radius and 5000 lm (Lambertian) 1 m above the origin, facing down; receivers at distance off the \
-                  axis, tilted by degrees from upright away from the axis (or towards it), some cut by their horizon. 0.1 % \
-                  asked for."
-        .into();
-    case.points = named.iter().map(|(name, (position, normal))| SensorPoint::new(*name, *position, *normal)).collect();
-    for (index, (name, (position, normal))) in named.into_iter().enumerate() {
-        let factor = oracle::disk([0.0, 0.0, 1.0], [0.0, 0.0, -1.0], 1.0, position, normal);
-        let mut row = check(name, FLUX / PI * factor, Provenance::Recomputed(source), Tolerance::relative(1e-3));
+    ]
+}
+
+/// Sets a case's points and what is expected there, with the part of the disk at larger x than `seen_beyond`.
+fn see(case: &mut Case, places: &[Place], tolerance: f64, seen_beyond: Option<f64>) {
+    let source = "contour integral over the visible part of the rim (Lambert), by quadrature";
+    case.points = places.iter().map(|(name, (at, normal))| SensorPoint::new(*name, *at, *normal)).collect();
+    for (index, (name, (position, normal))) in places.iter().enumerate() {
+        let factor = match seen_beyond {
+            None => oracle::disk(CENTRE, [0.0, 0.0, -1.0], 1.0, *position, *normal),
+            Some(x) => oracle::disk_beyond(CENTRE, 1.0, x, *position, *normal),
+        };
+        let provenance = Provenance::Recomputed(source);
+        let mut row = check(name, FLUX / PI * factor, provenance, Tolerance::relative(tolerance));
         row.reduction = Reduction::Point { index, scale: 1.0 };
         case.checks.push(row);
     }
-    case
 }
 
 /// Samples on the unit disk; those that miss it are `None`.

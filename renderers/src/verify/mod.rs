@@ -5,7 +5,7 @@
 //!
 //! | group | what | reference |
 //! |---|---|---|
-//! | `disk` | tables 2.1 and 2.2 of the thesis; each way to place samples on a disk | printed; the plain construction |
+//! | `disk` | tables 2.1 and 2.2 of the thesis; each way to place samples on a disk; errors on request | printed; the plain construction; closed form |
 //! | `disk-light` | disks on and off the axis, tilted, clipped by the horizon, near | closed form (contour integral) |
 //! | `point`, `area` | inverse square, cosine; rectangles, a penumbra, a sphere (after CIE 171:2006, 5.2 and 5.3; own geometry) | closed form |
 //! | `cie-171.5.6`, `cie-171.5.7` | light from one diffuse surface, past an obstruction | printed; closed form |
@@ -37,7 +37,7 @@ use std::path::Path;
 pub use case::{
     Answer, Case, Check, Outcome, Provenance, Reduction, Standing, Status, Tolerance, Work, half_printed_unit,
 };
-pub use disk::{Method, Sampling};
+pub use disk::{Method, Requested, Sampling};
 pub use export::{ExportError, export};
 pub use model::{Light, Model, SensorPoint, Shape, Surface, Vec3, flat};
 pub use rooms::{MEAN_BAND, MEASUREMENT_BAND, MISPRINTS, TOTAL_ERROR_BAND};

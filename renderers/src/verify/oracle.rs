@@ -71,6 +71,32 @@ pub(crate) fn disk(centre: Vec3, axis: Vec3, radius: f64, point: Vec3, normal: V
     (-sum / TAU).max(0.0)
 }
 
+/// Whether an element sees the whole front of a disk: it is in front, and all of the rim is above its horizon.
+pub(crate) fn sees_all_of_a_disk(centre: Vec3, axis: Vec3, radius: f64, point: Vec3, normal: Vec3) -> bool {
+    let to_centre = along(centre, -1.0, point);
+    // The rim reaches r √(1 − (n·a)²) below its middle along n.
+    let reach = radius * (1.0 - dot(normal, axis).powi(2)).max(0.0).sqrt();
+    dot(to_centre, axis) < 0.0 && dot(to_centre, normal) >= reach
+}
+
+/// Configuration factor from an element that sees all of a disk facing down to the part of it at larger x than `x`: the arc by
+/// quadrature as in [`disk`], the chord as an edge of Lambert's polygon formula.
+pub(crate) fn disk_beyond(centre: Vec3, radius: f64, x: f64, point: Vec3, normal: Vec3) -> f64 {
+    let to_centre = along(centre, -1.0, point);
+    let half = ((x - centre[0]) / radius).clamp(-1.0, 1.0).acos();
+    let rim = |angle: f64| along(to_centre, radius, [angle.cos(), angle.sin(), 0.0]);
+    let density = |angle: f64| {
+        let (p, tangent) = (rim(angle), [-radius * angle.sin(), radius * angle.cos(), 0.0]);
+        dot(normal, cross(p, tangent)) / dot(p, p)
+    };
+    let (from, to) = (rim(half), rim(-half));
+    let across = cross(from, to);
+    let sine = dot(across, across).sqrt();
+    let chord = if sine > 0.0 { sine.atan2(dot(from, to)) * dot(across, normal) / sine } else { 0.0 };
+    // The contour runs anticlockwise seen from above; the sign says no more than that.
+    (integrate(-half, half, 64, density) + chord).abs() / TAU
+}
+
 /// Nodes in (0, 1) and weights that sum to 1 of Gauss–Legendre quadrature with `count` nodes, by Newton's iteration.
 pub(crate) fn gauss_legendre(count: u32) -> Vec<(f64, f64)> {
     let n = f64::from(count);
@@ -163,6 +189,31 @@ mod tests {
         sum *= 0.8 * core::f64::consts::TAU / f64::from(n * n) / core::f64::consts::PI;
         let found = disk([0.2, 0.0, 1.0], DOWN, 0.8, [0.0; 3], [1.0, 0.0, 0.0]);
         assert!((found / sum - 1.0).abs() <= 1e-4, "{found} {sum}");
+    }
+
+    #[test]
+    fn parts_of_disks_add_up() {
+        let (point, normal) = ([0.7, -0.2, 0.0], [0.28, 0.0, 0.96]);
+        let beyond = |x: f64| super::disk_beyond([0.2, 0.1, 1.0], 0.8, x, point, normal);
+        let whole = disk([0.2, 0.1, 1.0], DOWN, 0.8, point, normal);
+        assert!(super::sees_all_of_a_disk([0.2, 0.1, 1.0], DOWN, 0.8, point, normal));
+        assert!((beyond(-2.0) - whole).abs() <= 1e-14 && beyond(2.0).abs() <= 1e-14);
+        // The middle strip by quadrature of the area.
+        let n = 400;
+        let step = 0.3 / f64::from(n);
+        let mut sum = 0.0;
+        for i in 0..n {
+            let x = step * (f64::from(i) + 0.5);
+            let half = (0.64 - (x - 0.2) * (x - 0.2)).sqrt();
+            for j in 0..n {
+                let y = 0.1 + half * (2.0 * (f64::from(j) + 0.5) / f64::from(n) - 1.0);
+                let to = [x - point[0], y - point[1], 1.0];
+                let d2: f64 = to.iter().map(|c| c * c).sum();
+                sum += (normal[0] * to[0] + normal[2]) / (d2 * d2) * step * 2.0 * half / f64::from(n);
+            }
+        }
+        let found = (beyond(0.0) - beyond(0.3)) * core::f64::consts::PI;
+        assert!((found / sum - 1.0).abs() <= 1e-5, "{found} {sum}");
     }
 
     #[test]

@@ -2,13 +2,14 @@
 
 use std::time::Instant;
 
-use disk_sampling::Disk;
+use disk_sampling::estimate::{self, Aim, Panel, Request, Response};
 use disk_sampling::partition::{self, Partition, Subsource};
+use disk_sampling::{Disk, Receiver};
 use spectral_core::action::MAXIMUM_LUMINOUS_EFFICACY;
 use spectral_core::{Observer, tristimulus};
 
 use super::case::{Answer, Case, Work};
-use super::disk::{Method, Sampling};
+use super::disk::{Method, Requested, Sampling};
 use super::mitsuba;
 use super::model::{Light, Shape, Vec3, along, dot};
 use crate::illuminance::{IndirectIrradiance, IndirectLight, Meter, Settings};
@@ -31,6 +32,7 @@ pub fn solve(case: &Case) -> Result<Vec<Answer>, String> {
             case.points.iter().map(|point| by_method(case, *sampling, point.position, point.normal)).collect()
         }
         Work::Misses(sampling) => Ok(vec![misses(*sampling)?]),
+        Work::Request(requested) => case.points.iter().map(|point| by_request(case, *requested, point)).collect(),
         Work::Direct => by_meter(case, &scene_of(case)?, None, 0.0),
         Work::Global => globally(case),
     }
@@ -95,11 +97,12 @@ impl IndirectLight for Grey<'_> {
     }
 
     fn irradiance(&self, position: DVec3, normal: DVec3) -> IndirectIrradiance {
-        let receiver = disk_sampling::Receiver::new(position.to_array(), normal.to_array());
+        let receiver = Receiver::new(position.to_array(), normal.to_array());
         let found = receiver.map(|receiver| self.solution.indirect(&receiver));
         // The meter has checked the point.
         let irradiance = found.ok().and_then(|components| components.first().copied()).unwrap_or(f64::NAN);
-        IndirectIrradiance { lux: irradiance * self.efficacy, error: f64::NAN, spectrum: None }
+        let lux = irradiance * self.efficacy;
+        IndirectIrradiance { lux, error: lux * INDIRECT_ACCURACY, spectrum: None }
     }
 }
 
@@ -151,6 +154,32 @@ fn by_method(case: &Case, sampling: Sampling, point: Vec3, normal: Vec3) -> Resu
     // M/π · π r²
     let illuminance = exitance * disk.radius() * disk.radius() * sum;
     Ok(Answer { illuminance: Some(illuminance), samples: Some(samples), seconds: Some(start.elapsed().as_secs_f64()) })
+}
+
+/// Illuminance to a requested error: behind a screen by the ratio estimator, else by integration without the closed form.
+fn by_request(case: &Case, requested: Requested, point: &super::SensorPoint) -> Result<Answer, String> {
+    let mut panels = vec![Panel::default(); 4096];
+    let start = Instant::now();
+    let (disk, exitance) = disk_of(case)?;
+    let receiver = Receiver::new(point.position, point.normal).map_err(|error| error.to_string())?;
+    // The screen's edge could slip between the points of a single stratum.
+    let strata = if requested.seen_beyond.is_some() { 4 } else { 1 };
+    let request = Request { relative_error: requested.relative_error, max_samples: 1 << 20, strata };
+    let found = match requested.seen_beyond {
+        None => estimate::integrate(&disk, &receiver, &request, &mut panels, |_| Response::unoccluded(1.0)),
+        Some(x) => {
+            let exact = disk_sampling::disk_configuration_factor(&disk, &receiver);
+            let seen =
+                |aim: &Aim<f64>| Response { emission: 1.0, visibility: if aim.point[0] > x { 1.0 } else { 0.0 } };
+            estimate::ratio(&disk, &receiver, exact, &request, &mut panels, seen)
+        }
+    };
+    let found = found.map_err(|error| error.to_string())?;
+    Ok(Answer {
+        illuminance: Some(exitance * found.value),
+        samples: Some(found.samples as u64),
+        seconds: Some(start.elapsed().as_secs_f64()),
+    })
 }
 
 /// The share in per cent of fully jittered samples that miss the disk.
