@@ -1,14 +1,22 @@
 //! Disk lights and closed-form illuminance: `no_std`, no heap, no panic, `libm` only.
 //!
-//! What is here: the configuration factor of polygonal lights ([`polygon_configuration_factor`]) and the area-preserving map of the
-//! square to the disk ([`square_to_disk`]). Adaptive subdivision of disks and the closed forms of disks and spheres are to come.
+//! - [`partition`]: subdivision of a disk into subsources by four methods, uniform or by size over distance.
+//! - Continuous maps with densities and inverses: [`square_to_disk`] and its relatives.
+//! - Configuration factors in closed form: [`polygon_configuration_factor`].
 #![no_std]
 
 mod configuration_factor;
 mod map;
+pub mod partition;
 mod shape;
 mod vector;
 
-pub use configuration_factor::polygon_configuration_factor;
-pub use map::{disk_to_square, square_to_disk};
+pub use configuration_factor::{
+    disk_configuration_factor, disk_irradiance_vector, polygon_configuration_factor, sphere_configuration_factor,
+};
+pub use map::{
+    disk_to_hexagon, disk_to_square, disk_to_square_elliptical, disk_to_square_polar, hexagon_to_disk,
+    hexagon_to_disk_pdf, square_to_disk, square_to_disk_elliptical, square_to_disk_elliptical_pdf, square_to_disk_pdf,
+    square_to_disk_polar, square_to_disk_polar_pdf,
+};
 pub use shape::{Disk, Receiver, ShapeError, Sphere};

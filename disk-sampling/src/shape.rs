@@ -4,7 +4,7 @@ use core::fmt;
 
 use spectral_core::Real;
 
-use crate::vector::{Vector, normalized, perpendicular_frame};
+use crate::vector::{Vector, dot, normalized, perpendicular_frame, scale, subtract};
 
 /// Why a disk, a sphere or a receiver was refused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -71,6 +71,26 @@ impl<R: Real> Disk<R> {
     pub fn point(&self, [x, y]: [R; 2]) -> [R; 3] {
         let [u, v] = self.frame;
         core::array::from_fn(|i| self.centre[i] + self.radius * (x * u[i] + y * v[i]))
+    }
+
+    /// The inverse of [`point`](Self::point), with the height over the disk on the side that shines as third coordinate, all in radii.
+    ///
+    /// A point too far away for that to be a number gives an infinite coordinate.
+    pub fn local(&self, point: [R; 3]) -> [R; 3] {
+        let away = subtract(point, self.centre);
+        // Halves can be subtracted where the whole overflows.
+        let (away, unit) = if away.iter().all(|x| x.is_finite()) {
+            (away, self.radius)
+        } else {
+            let half = |x: [R; 3]| scale(x, R::HALF);
+            (subtract(half(point), half(self.centre)), self.radius * R::HALF)
+        };
+        self.direction(away).map(|x| x / unit)
+    }
+
+    /// A direction's components along u, v and the normal.
+    pub fn direction(&self, direction: [R; 3]) -> [R; 3] {
+        [self.frame[0], self.frame[1], self.normal].map(|axis| dot(axis, direction))
     }
 
     /// Two unit vectors u, v in the disk's plane with u × v = normal; they depend on the normal alone.

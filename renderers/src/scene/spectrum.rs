@@ -3,6 +3,7 @@
 use std::collections::HashMap;
 
 use super::load::Ids;
+use super::photometry::Stated;
 use super::props::{Props, parse_finite, parse_float, parse_list, tokens, unsupported};
 use super::source::Source;
 use super::xml::Node;
@@ -67,14 +68,41 @@ impl<'a> Spectra<'a> {
         name: &str,
         role: Role,
     ) -> Result<Option<SpectrumId>, SceneError> {
+        let taken = self.take(props, name, role)?;
+        Ok(taken.map(|(kind, label)| self.intern(kind, || label)))
+    }
+
+    /// Takes the spectrum property `name` of a light, or stands in `default`, and gives it the photometric value that is
+    /// stated.
+    pub(crate) fn light(
+        &mut self,
+        props: &mut Props<'a>,
+        name: &str,
+        default: SpectrumKind,
+        stated: Option<&Stated<'a>>,
+    ) -> Result<SpectrumId, SceneError> {
+        let place = props.node();
+        let taken = self.take(props, name, Role::Emission)?;
+        let (kind, label) = taken.unwrap_or_else(|| (default, format!("default {name} ({})", place.place())));
+        let kind = match stated {
+            Some(stated) => stated.apply(&kind)?,
+            None => kind,
+        };
+        Ok(self.intern(kind, || label))
+    }
+
+    /// Takes the spectrum property `name`, if it is there, with its label.
+    fn take(
+        &self,
+        props: &mut Props<'a>,
+        name: &str,
+        role: Role,
+    ) -> Result<Option<(SpectrumKind, String)>, SceneError> {
         let Some(node) = props.take(name) else { return Ok(None) };
         let kind = self.parse(node, role)?;
         check(node, name, &kind, role)?;
-        let label = match node.attribute("filename") {
-            Some(file) => format!("{file} ({})", node.place()),
-            None => format!("{name} ({})", node.place()),
-        };
-        Ok(Some(self.intern(kind, || label)))
+        let label = node.attribute("filename").unwrap_or(name);
+        Ok(Some((kind, format!("{label} ({})", node.place()))))
     }
 
     /// A constant, for defaults that no property stands for.

@@ -57,6 +57,9 @@ impl Whitted {
             Emitter::Directional { direction, irradiance } => {
                 self.lights.push(Light::Directional { direction: *direction, irradiance: light(*irradiance) });
             }
+            Emitter::Luminaire { luminaire, spectrum, .. } => {
+                self.lights.push(Light::Luminaire { luminaire: luminaire.clone(), intensity: light(*spectrum) });
+            }
             Emitter::Ambient { radiance } => self.ambient.push(light(*radiance)),
             Emitter::Constant { label, .. } => {
                 return Err(RenderError::new(format!(

@@ -4,6 +4,7 @@ use disk_sampling::{polygon_configuration_factor, square_to_disk};
 use glam::{DVec3, Vec3A};
 
 use crate::geometry::{SurfacePoint, World};
+use crate::luminaire::PlacedLuminaire;
 use crate::spectral::Factor;
 
 /// The finest lattice of points on a light at which visibility is asked for: 16 × 16 cells.
@@ -22,6 +23,8 @@ pub(super) enum Light {
     Area(AreaLight),
     /// A point light: intensity.
     Point { position: DVec3, intensity: Factor },
+    /// A point light by its distribution: intensity for each candela.
+    Luminaire { luminaire: PlacedLuminaire, intensity: Factor },
     /// Parallel light along a unit vector: irradiance on a plane across it.
     Directional { direction: DVec3, irradiance: Factor },
 }
@@ -330,7 +333,7 @@ impl Light {
     pub(super) const fn factor(&self) -> Factor {
         match self {
             Self::Area(area) => area.radiance,
-            Self::Point { intensity, .. } => *intensity,
+            Self::Point { intensity, .. } | Self::Luminaire { intensity, .. } => *intensity,
             Self::Directional { irradiance, .. } => *irradiance,
         }
     }
@@ -346,15 +349,9 @@ impl Light {
     ) {
         match self {
             Self::Area(area) => area.illuminate(world, receiver, least, is_clear, receive),
-            Self::Point { position, .. } => {
-                let way = *position - receiver.position;
-                let squared = way.length_squared();
-                let direction = way / squared.sqrt();
-                let cosine = direction.dot(receiver.normal);
-                let above = cosine > 0.0 && direction.dot(receiver.geometric) > 0.0;
-                if above && !world.occluded_point(&receiver.point, single(*position)) {
-                    receive(Part { direction, irradiance: cosine / squared });
-                }
+            Self::Point { position, .. } => from_point(world, receiver, *position, |_| 1.0, receive),
+            Self::Luminaire { luminaire, .. } => {
+                from_point(world, receiver, luminaire.position, |direction| luminaire.candela(direction), receive);
             }
             Self::Directional { direction, .. } => {
                 let towards = -*direction;
@@ -365,6 +362,24 @@ impl Light {
                 }
             }
         }
+    }
+}
+
+/// Light from a point of this intensity in the direction of travel.
+fn from_point(
+    world: &World,
+    receiver: &Receiver,
+    position: DVec3,
+    intensity: impl FnOnce(DVec3) -> f64,
+    mut receive: impl FnMut(Part),
+) {
+    let way = position - receiver.position;
+    let squared = way.length_squared();
+    let direction = way / squared.sqrt();
+    let cosine = direction.dot(receiver.normal);
+    let above = cosine > 0.0 && direction.dot(receiver.geometric) > 0.0;
+    if above && !world.occluded_point(&receiver.point, single(position)) {
+        receive(Part { direction, irradiance: intensity(-direction) * cosine / squared });
     }
 }
 

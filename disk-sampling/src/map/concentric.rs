@@ -2,6 +2,8 @@
 
 use spectral_core::Real;
 
+use super::uniform_pdf;
+
 /// Shirley and Chiu's concentric map from the square [0, 1]² to the unit disk: squares around the centre become circles, and equal
 /// areas stay equal (J. Graphics Tools 2(3), 1997).
 ///
@@ -16,6 +18,11 @@ pub fn square_to_disk<R: Real>([u, v]: [R; 2]) -> [R; 2] {
     let (radius, angle) =
         if x.abs() > y.abs() { (x, quarter * (y / x)) } else { (y, R::PI / R::TWO - quarter * (x / y)) };
     [radius * angle.cos(), radius * angle.sin()]
+}
+
+/// The density of [`square_to_disk`] at a point of the disk: 1/π, and 0 outside.
+pub fn square_to_disk_pdf<R: Real>(point: [R; 2]) -> R {
+    uniform_pdf(point)
 }
 
 /// The inverse of [`square_to_disk`].
