@@ -8,6 +8,7 @@ pub mod image;
 pub mod light;
 pub mod luminaire;
 pub mod progress;
+pub mod relight;
 pub mod render;
 pub mod report;
 pub mod scene;

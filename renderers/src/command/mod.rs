@@ -4,6 +4,7 @@
 
 mod compare;
 mod light;
+mod relight;
 mod render;
 mod scene;
 
@@ -32,6 +33,8 @@ enum Command {
     Render(render::Arguments),
     /// Compare two pictures: colour difference and relative brightness.
     Compare(compare::Arguments),
+    /// Put a high-dynamic-range picture under another light.
+    Relight(relight::Arguments),
     /// Everything there is to say of a light: colour temperature, colour rendering, action spectra.
     Light(light::Arguments),
     /// List the built-in scenes, or write one out as files for other renderers.
@@ -104,6 +107,7 @@ fn dispatch(arguments: Arguments) -> Result<Answer, Failure> {
     match arguments.command {
         Command::Render(render) => render.run(),
         Command::Compare(compare) => compare.run(),
+        Command::Relight(relight) => relight.run(),
         Command::Light(light) => light.run(),
         Command::Scene(scene) => scene.run(),
     }
@@ -124,7 +128,7 @@ mod tests {
         for (arguments, expected) in [
             (
                 &[][..],
-                "'spectral' requires a subcommand but one was not provided [subcommands: render, compare, light, scene, help]",
+                "'spectral' requires a subcommand but one was not provided [subcommands: render, compare, relight, light, scene, help]",
             ),
             (
                 &["render", "--sise", "4x4"],
