@@ -63,7 +63,8 @@ impl ExrReader {
         };
         let [width, height] = [header.layer_size.width(), header.layer_size.height()];
         if !([width, height].iter().all(|side| (1..=MAX_SIDE).contains(side))) {
-            return Err(ImageError::Size { width, height });
+            let size = format_args!("a picture of {width} × {height} pixels, for sides up to {MAX_SIDE}");
+            return Err(ImageError::unsupported(file, size));
         }
         let layout = Layout::new(file, header)?;
         let block_size = [header.max_block_pixel_size().width(), header.max_block_pixel_size().height()];
