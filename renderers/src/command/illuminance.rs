@@ -1,19 +1,28 @@
 //! `spectral illuminance`: lux at points of a scene.
 
+use core::sync::atomic::{AtomicU64, Ordering};
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
 use rayon::prelude::*;
-use renderers::illuminance::{IndirectPart, Meter, Point, Reading, Settings, parse_points};
+use renderers::illuminance::{IndirectLight, IndirectPart, Meter, Point, Reading, Settings, parse_points};
+use renderers::progress::Progress;
+use renderers::radiosity::{self, IndirectRadiosity, Radiosity};
 use renderers::report::Table;
 use renderers::scene::{Scene, Source, builtin, load};
+use renderers::spectral::{Palette, UniformBins};
 use serde_json::{Value, json};
 
 use super::{Answer, Failure};
 
 /// Wavelengths of the spectra that are shown: from, to, step, nm.
 const SPECTRUM: (u16, u16, u16) = (380, 780, 1);
+
+/// Equal bins over the visible range for light between surfaces.
+const BINS: usize = 81;
+/// Steps of the progress bar.
+const STEPS: u64 = 1000;
 
 /// What `spectral illuminance` takes.
 #[derive(Debug, Args)]
@@ -39,11 +48,52 @@ impl Arguments {
     pub(super) fn run(self) -> Result<Answer, Failure> {
         let scene = self.load()?;
         let points = read_points(&self.points)?;
-        let meter = Meter::new(&scene, Settings { accuracy: self.accuracy }, None)
-            .map_err(|error| Failure(format!("{}: {error}", self.scene)))?;
+        let direct = self.meter(&scene, None)?;
+        if *direct.indirect_part() != IndirectPart::NotComputed {
+            return self.measure(&direct, &points, None);
+        }
+        match self.radiosity(&scene) {
+            Err(reason) => self.measure(&direct, &points, Some(&reason)),
+            Ok((radiosity, bins)) => match radiosity.solve(&bins) {
+                Err(reason) => self.measure(&direct, &points, Some(&reason.to_string())),
+                Ok(solution) => {
+                    let light = IndirectRadiosity::new(&solution, &bins);
+                    let light = light.as_ref().map(|light| light as &dyn IndirectLight);
+                    self.measure(&self.meter(&scene, light)?, &points, None)
+                }
+            },
+        }
+    }
+
+    fn meter<'s>(&self, scene: &'s Scene, indirect: Option<&'s dyn IndirectLight>) -> Result<Meter<'s>, Failure> {
+        Meter::new(scene, Settings { accuracy: self.accuracy }, indirect)
+            .map_err(|error| Failure(format!("{}: {error}", self.scene)))
+    }
+
+    /// Patches and transport for light between surfaces, and the bins of its spectra; or why it can't be computed.
+    fn radiosity(&self, scene: &Scene) -> Result<(Radiosity, UniformBins), String> {
+        let mut palette = Palette::default();
+        let settings = radiosity::Settings { accuracy: self.accuracy, ..radiosity::Settings::default() };
+        let bar = Progress::new("radiosity", STEPS);
+        let done = AtomicU64::new(0);
+        let advance = |share: f64| {
+            #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a share of some steps")]
+            let now = (share.clamp(0.0, 1.0) * STEPS as f64) as u64;
+            bar.add(now.saturating_sub(done.fetch_max(now, Ordering::Relaxed)));
+        };
+        let settings = settings.limited_by(scene.integrator);
+        let radiosity = Radiosity::new(scene, &settings, &mut palette, &advance).map_err(|error| error.to_string())?;
+        Ok((radiosity, UniformBins::new(&palette, BINS)?))
+    }
+
+    fn measure(&self, meter: &Meter<'_>, points: &[Point], reason: Option<&str>) -> Result<Answer, Failure> {
         let read = |point: &Point| meter.read(point.position, point.normal);
         let readings = points.par_iter().map(read).collect::<Result<Vec<_>, _>>()?;
-        Ok(Answer { text: self.describe(&meter, &readings), json: self.json(&meter, &readings) })
+        let indirect = match reason {
+            Some(reason) => format!("{}: {reason}", meter.indirect_part()),
+            None => meter.indirect_part().to_string(),
+        };
+        Ok(Answer { text: self.describe(meter, &readings, &indirect), json: self.json(meter, &readings, &indirect) })
     }
 
     /// A built-in scene if there is one of this name, else a file.
@@ -54,7 +104,7 @@ impl Arguments {
         Ok(load(&Source::disk(&self.scene), &self.define)?)
     }
 
-    fn json(&self, meter: &Meter<'_>, readings: &[Reading]) -> Value {
+    fn json(&self, meter: &Meter<'_>, readings: &[Reading], indirect: &str) -> Value {
         let points = readings.iter().map(|reading| {
             let mut point = json!({
                 "position": reading.position.to_array(),
@@ -70,14 +120,14 @@ impl Arguments {
             }
             point
         });
-        let mut all = json!({ "points": points.collect::<Value>(), "indirect": meter.indirect_part().to_string() });
+        let mut all = json!({ "points": points.collect::<Value>(), "indirect": indirect });
         if let (true, Some(object)) = (self.spectral, all.as_object_mut()) {
             object.insert("wavelengths".to_owned(), wavelengths().collect());
         }
         all
     }
 
-    fn describe(&self, meter: &Meter<'_>, readings: &[Reading]) -> String {
+    fn describe(&self, meter: &Meter<'_>, readings: &[Reading], indirect: &str) -> String {
         let mut table = Table::new(["x", "y", "z", "nx", "ny", "nz", "lux", "direct", "indirect", "±"]);
         let number = |value: f64| format!("{value:.6}").trim_end_matches('0').trim_end_matches('.').to_owned();
         for reading in readings {
@@ -86,7 +136,7 @@ impl Arguments {
             let found = [lux(reading.lux), lux(reading.direct_lux), indirect, format!("{:.1e}", reading.error)];
             table.row(place.chain(found));
         }
-        let text = format!("{table}\n{}\n{}\n", summary(readings), note(meter.indirect_part()));
+        let text = format!("{table}\n{}\n{}\n", summary(readings), note(meter.indirect_part(), indirect));
         if self.spectral { text + "\n" + &spectra(meter, readings).to_string() } else { text }
     }
 }
@@ -118,12 +168,12 @@ fn summary(readings: &[Reading]) -> String {
     format!("{} points: min {}, mean {}, max {} lx", readings.len(), lux(min), lux(mean), lux(max))
 }
 
-fn note(part: &IndirectPart) -> String {
+fn note(part: &IndirectPart, indirect: &str) -> String {
     let consequence = match part {
-        IndirectPart::NotComputed => ": the scene asks for light between surfaces, and lux is the direct part alone",
+        IndirectPart::NotComputed => "; the scene asks for light between surfaces, and lux is the direct part alone",
         _ => "",
     };
-    format!("indirect: {part}{consequence}")
+    format!("indirect: {indirect}{consequence}")
 }
 
 fn wavelengths() -> impl Iterator<Item = u16> {
