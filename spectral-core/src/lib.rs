@@ -63,6 +63,7 @@ pub mod dispersion;
 pub mod expression;
 mod integrate;
 pub mod interval;
+mod lanes;
 pub mod light;
 mod observer;
 mod real;

@@ -1,6 +1,7 @@
 //! Colour differences between two CIELAB colours: ΔE\*ab (1976) and ΔE00 (CIEDE2000).
 
 use crate::Real;
+use crate::lanes::Lanes;
 
 /// The CIE 1976 colour difference ΔE\*ab of two colours (L\*, a\*, b\*).
 ///
@@ -41,115 +42,205 @@ pub fn delta_e_00<R: Real>(first: [R; 3], second: [R; 3]) -> R {
 /// [`delta_e_00`] with the parametric factors `[k_L, k_C, k_H]` of the viewing conditions, which must be positive;
 /// textiles are often compared with `k_L` = 2.
 #[must_use]
-pub fn delta_e_00_weighted<R: Real>(first: [R; 3], second: [R; 3], [k_l, k_c, k_h]: [R; 3]) -> R {
-    let stretch = chroma_stretch(first, second);
-    let (p, q) = (Polar::new(first, stretch), Polar::new(second, stretch));
+pub fn delta_e_00_weighted<R: Real>(first: [R; 3], second: [R; 3], factors: [R; 3]) -> R {
+    let single = |lab: [R; 3]| lab.map(|c| Lanes([c]));
+    differences(single(first), single(second), factors).0[0]
+}
+
+/// ΔE00 of `W` pairs at once, each as [`delta_e_00_weighted`] to the bit.
+#[inline]
+pub(crate) fn differences<R: Real, const W: usize>(
+    first: [Lanes<R, W>; 3],
+    second: [Lanes<R, W>; 3],
+    [k_l, k_c, k_h]: [R; 3],
+) -> Lanes<R, W> {
+    let one = Lanes::all(R::ONE);
+    let constant = Lanes::<R, W>::constant;
+    let stretch = chroma_stretch(&first, &second);
+    let (p, q) = (Polar::new(&first, stretch), Polar::new(&second, stretch));
     let hue = Hue::between(&p, &q);
 
-    let mean_lightness = (first[0] + second[0]) * R::HALF;
-    let mean_chroma = (p.chroma + q.chroma) * R::HALF;
-    let offset = mean_lightness - R::from_f64(50.0);
+    let offset = (first[0] + second[0]) * constant(0.5) - constant(50.0);
     let square = offset * offset;
-    let s_l = R::ONE + R::from_f64(0.015) * square / (R::from_f64(20.0) + square).sqrt();
-    let s_c = R::ONE + R::from_f64(0.045) * mean_chroma;
-    let s_h = R::ONE + R::from_f64(0.015) * mean_chroma * hue_dependence(hue.mean);
+    let mean_chroma = (p.chroma + q.chroma) * constant(0.5);
+    // S_L = 1 + 0.015 s / √(20 + s) = (√(20 + s) + 0.015 s) / √(20 + s), so that one division serves the three quotients.
+    let root = (constant(20.0) + square).sqrt();
+    let k_s_l = Lanes::all(k_l) * (root + constant(0.015) * square);
+    let k_s_c = Lanes::all(k_c) * (one + constant(0.045) * mean_chroma);
+    let k_s_h = Lanes::all(k_h) * (one + constant(0.015) * mean_chroma * hue.dependence());
+    let inverse = one / (k_s_l * k_s_c * k_s_h);
 
-    let lightness = (second[0] - first[0]) / (k_l * s_l);
-    let chroma = (q.chroma - p.chroma) / (k_c * s_c);
-    let hue_difference = hue.difference / (k_h * s_h);
-    let rotation = rotation(hue.mean, mean_chroma);
+    let lightness = (second[0] - first[0]) * root * (k_s_c * k_s_h) * inverse;
+    let chroma = (q.chroma - p.chroma) * (k_s_l * k_s_h) * inverse;
+    let hue_difference = hue.difference * (k_s_l * k_s_c) * inverse;
+    let rotation = hue.rotation() * saturation(mean_chroma);
     let square =
-        lightness * lightness + chroma * chroma + hue_difference * hue_difference + rotation * chroma * hue_difference;
+        lightness * lightness + chroma * chroma + hue_difference * hue_difference - rotation * chroma * hue_difference;
     // The quadratic form is positive definite (|rotation| < 2), so that only rounding can take it below zero; and `max`
     // keeps NaN when it is the second operand.
-    R::ZERO.max(square).sqrt()
+    square.map(|square| R::ZERO.max(square)).sqrt()
 }
 
-/// A colour's a′, b′, chroma C′ and hue h′ in degrees, in [0°, 360°].
-struct Polar<R> {
-    a: R,
-    b: R,
-    chroma: R,
-    hue: R,
+/// A colour's a′, b′ and chroma C′.
+struct Polar<R, const W: usize> {
+    a: Lanes<R, W>,
+    b: Lanes<R, W>,
+    chroma: Lanes<R, W>,
 }
 
-impl<R: Real> Polar<R> {
-    /// Equations 5 to 7.
-    fn new([_, a, b]: [R; 3], stretch: R) -> Self {
-        let a = a * stretch;
-        let chroma = a.hypot(b);
-        // The hue of a grey is 0 by convention; atan2 would tell −0 from 0.
-        let angle = if chroma == R::ZERO { R::ZERO } else { degrees(b.atan2(a)) };
-        let hue = if angle < R::ZERO { angle + R::from_f64(360.0) } else { angle };
-        Self { a, b, chroma, hue }
+impl<R: Real, const W: usize> Polar<R, W> {
+    /// Equations 5 and 6.
+    #[inline(always)]
+    fn new(lab: &[Lanes<R, W>; 3], stretch: Lanes<R, W>) -> Self {
+        let (a, b) = (lab[1] * stretch, lab[2]);
+        Self { a, b, chroma: (a * a + b * b).sqrt() }
     }
 }
 
-/// The hue difference ΔH′, in units of chroma, and the mean hue in degrees.
-struct Hue<R> {
-    difference: R,
-    mean: R,
+/// The hue difference ΔH′, in units of chroma, and cosine and sine of the mean hue.
+struct Hue<R, const W: usize> {
+    difference: Lanes<R, W>,
+    cosine: Lanes<R, W>,
+    sine: Lanes<R, W>,
 }
 
-impl<R: Real> Hue<R> {
-    /// Equations 10, 11 and 14.
-    fn between(p: &Polar<R>, q: &Polar<R>) -> Self {
-        if p.chroma == R::ZERO || q.chroma == R::ZERO {
-            return Self { difference: R::ZERO, mean: p.hue + q.hue };
-        }
-        let turn = R::from_f64(360.0);
-        let (angle, sum) = (q.hue - p.hue, p.hue + q.hue);
-        // Whether the hues are at most 180° apart is read from the sign of the cross product: rounded angles of opposite
-        // hues may differ by a little more or less than 180°, and the formula jumps there.
+impl<R: Real, const W: usize> Hue<R, W> {
+    /// Equations 7, 10, 11 and 14 without angles.
+    ///
+    /// The mean hue is that of the bisector of the shorter arc. With unit vectors u, v of the two hues and half their
+    /// difference β it is the direction of u + v, of length 2 cos β, or that of v − u, of length 2 |sin β|, turned by 90°;
+    /// the longer one is taken. The same lengths give ΔH′ = 2 √(C′₁ C′₂) sin β. Vectors are scaled by C′₁ C′₂.
+    #[inline(always)]
+    fn between(p: &Polar<R, W>, q: &Polar<R, W>) -> Self {
+        let product = p.chroma * q.chroma;
         let cross = p.a * q.b - q.a * p.b;
-        let near = if angle < R::ZERO { cross <= R::ZERO } else { cross >= R::ZERO };
-        let (angle, sum) = match (near, angle > R::ZERO, sum < turn) {
-            (true, _, _) => (angle, sum),
-            (false, true, true) => (angle - turn, sum + turn),
-            (false, true, false) => (angle - turn, sum - turn),
-            (false, false, true) => (angle + turn, sum + turn),
-            (false, false, false) => (angle + turn, sum - turn),
-        };
-        let scale = p.chroma.sqrt() * q.chroma.sqrt();
-        Self { difference: R::TWO * scale * radians(angle * R::HALF).sin(), mean: sum * R::HALF }
+        let dot = p.a * q.a + p.b * q.b;
+        let side = turn(p, cross);
+        let (scale, length) = (product.sqrt(), (product + dot.abs()) * Lanes::constant(2.0));
+        let length = length.sqrt();
+
+        let (pa, pb) = (p.a * q.chroma, p.b * q.chroma);
+        let (qa, qb) = (q.a * p.chroma, q.b * p.chroma);
+        let x = dot.if_above(R::ZERO, pa + qa, side * (qb - pb));
+        let y = dot.if_above(R::ZERO, pb + qb, side * (pa - qa));
+        // A grey has no hue: the mean is then the other's hue, and 0 of two greys.
+        let norm = product.if_zero(p.chroma + q.chroma, scale * length);
+        let (x, y) = (product.if_zero(p.a + q.a, x), product.if_zero(p.b + q.b, y));
+        let x = norm.if_zero(Lanes::all(R::ONE), x);
+        let inverse = Lanes::all(R::ONE) / norm.if_zero(Lanes::all(R::ONE), norm);
+        let difference = dot.if_above(R::ZERO, cross * Lanes::constant(2.0) * scale * inverse, side * length);
+        Self { difference, cosine: x * inverse, sine: y * inverse }
     }
+
+    /// T (equation 15): cosines of the multiples of the mean hue.
+    #[inline(always)]
+    fn dependence(&self) -> Lanes<R, W> {
+        let constant = Lanes::<R, W>::constant;
+        let (one, two) = (constant(1.0), constant(2.0));
+        let (c1, s1) = (self.cosine, self.sine);
+        let (c2, s2) = (two * c1 * c1 - one, two * s1 * c1);
+        let (c3, s3) = (c2 * c1 - s2 * s1, s2 * c1 + c2 * s1);
+        let (c4, s4) = (two * c2 * c2 - one, two * s2 * c2);
+        let wave = |amplitude: f64, [cosine, sine]: [f64; 2], c, s| {
+            constant(amplitude * cosine) * c - constant(amplitude * sine) * s
+        };
+        one - wave(0.17, [0.866_025_403_784_438_6, -0.5], c1, s1)
+            + constant(0.24) * c2
+            + wave(0.32, [0.994_521_895_368_273_3, 0.104_528_463_267_653_47], c3, s3)
+            - wave(0.20, [0.453_990_499_739_546_8, -0.891_006_524_188_367_9], c4, s4)
+    }
+
+    /// 2 sin 2Δθ: the coupling of chroma and hue differences among blues, −R_T without the factor R_C (equations 16 and 21).
+    ///
+    /// The standard's Gaussian is of a hue in [0°, 360°) and is not periodic: in the first quadrant, to which it would
+    /// come round, it is below 1e-23.
+    #[inline(always)]
+    fn rotation(&self) -> Lanes<R, W> {
+        let constant = Lanes::<R, W>::constant;
+        let [cosine, sine] = [0.087_155_742_747_658_17, -0.996_194_698_091_745_5];
+        let gauss = (constant(cosine) * self.cosine + constant(sine) * self.sine).polynomial(&GAUSSIAN);
+        let value = constant(2.0) * gauss * (gauss * gauss).polynomial(&SINE);
+        // −1 is below every cosine and sine of the other quadrants' sides: the smaller of both tells.
+        let quadrant = Lanes(core::array::from_fn(|lane| self.cosine.0[lane].min(self.sine.0[lane])));
+        quadrant.if_above(-R::MIN_POSITIVE, Lanes::ZERO, value)
+    }
+}
+
+/// 1 where the second hue is ahead of the first one by less than 180°, −1 where it is behind.
+///
+/// Of exactly opposite hues the standard takes the one in [180°, 360°) as that ahead. The sign is that of the cross product:
+/// rounded angles of nearly opposite hues could differ by a little more or less than 180°, and the formula jumps there.
+#[inline(always)]
+fn turn<R: Real, const W: usize>(p: &Polar<R, W>, cross: Lanes<R, W>) -> Lanes<R, W> {
+    Lanes(core::array::from_fn(|lane| {
+        let (a, b, cross) = (p.a.0[lane], p.b.0[lane], cross.0[lane]);
+        let key = if b == R::ZERO { a } else { b };
+        let key = if cross == R::ZERO { key } else { cross };
+        if key >= R::ZERO { R::ONE } else { -R::ONE }
+    }))
 }
 
 /// 1 + G: the stretch of the a\* axis near grey (equations 2 to 5).
-fn chroma_stretch<R: Real>(first: [R; 3], second: [R; 3]) -> R {
-    let chroma = (first[1].hypot(first[2]) + second[1].hypot(second[2])) * R::HALF;
-    R::ONE + R::HALF * (R::ONE - saturation(chroma))
+#[inline(always)]
+fn chroma_stretch<R: Real, const W: usize>(first: &[Lanes<R, W>; 3], second: &[Lanes<R, W>; 3]) -> Lanes<R, W> {
+    let chroma = |[_, a, b]: &[Lanes<R, W>; 3]| (*a * *a + *b * *b).sqrt();
+    let mean = (chroma(first) + chroma(second)) * Lanes::constant(0.5);
+    Lanes::constant(1.5) - Lanes::constant(0.5) * saturation(mean)
 }
 
-/// √(C⁷ / (C⁷ + 25⁷)), as 1 / √(1 + (25/C)⁷) so that large chromas do not overflow.
-fn saturation<R: Real>(chroma: R) -> R {
-    let ratio = R::from_f64(25.0) / chroma;
-    let cube = ratio * ratio * ratio;
-    R::ONE / (R::ONE + cube * cube * ratio).sqrt()
+/// √(C⁷ / (C⁷ + 25⁷)); from C = 10⁴ on, where C⁷ might overflow, it is 1 to rounding.
+#[inline(always)]
+fn saturation<R: Real, const W: usize>(chroma: Lanes<R, W>) -> Lanes<R, W> {
+    let chroma = chroma.min(1e4);
+    let cube = chroma * chroma * chroma;
+    let seventh = cube * cube * chroma;
+    (seventh / (seventh + Lanes::constant(6_103_515_625.0))).sqrt()
 }
 
-/// T (equation 15), of the mean hue in degrees.
-fn hue_dependence<R: Real>(hue: R) -> R {
-    let wave = |amplitude: f64, multiple: f64, phase: f64| {
-        R::from_f64(amplitude) * radians(R::from_f64(multiple) * hue + R::from_f64(phase)).cos()
-    };
-    R::ONE - wave(0.17, 1.0, -30.0) + wave(0.24, 2.0, 0.0) + wave(0.32, 3.0, 6.0) - wave(0.20, 4.0, -63.0)
-}
+/// exp(−(θ / 25°)²) as a polynomial in cos θ, within 4.5e-16 on [−1, 1].
+///
+/// The truncated Chebyshev series in powers: it converges fast since θ² is an analytic function of cos θ but for
+/// θ = 180°, where the exponential is 3e-23. All coefficients are positive and their sum is 1, so that rounding stays small.
+const GAUSSIAN: [f64; 27] = [
+    2.352_575_199_994_513_7e-6,
+    3.882_027_743_057_913e-5,
+    0.000_307_933_401_977_766_86,
+    0.001_564_289_921_957_133_6,
+    0.005_720_404_184_521_16,
+    0.016_048_785_969_893_45,
+    0.035_951_340_614_857_96,
+    0.066_084_161_358_816_35,
+    0.101_661_545_430_728_79,
+    0.132_843_738_794_089_37,
+    0.149_159_349_489_681_96,
+    0.145_228_398_044_426_3,
+    0.123_523_069_362_874_24,
+    0.092_334_607_373_778_81,
+    0.060_964_049_974_088_9,
+    0.035_701_932_422_800_64,
+    0.018_610_452_053_347_326,
+    0.008_661_305_546_062_968,
+    0.003_607_610_639_118_238,
+    0.001_347_311_189_812_375_4,
+    0.000_452_472_428_742_288_73,
+    0.000_137_265_063_315_649_08,
+    3.734_117_385_561_352e-5,
+    8.886_691_006_752_573e-6,
+    1.990_875_149_603_400_7e-6,
+    4.973_466_094_053_569e-7,
+    8.779_585_612_243_098e-8,
+];
 
-/// The coupling `R_T` of chroma and hue differences among blues (equations 16, 17 and 21).
-fn rotation<R: Real>(mean_hue: R, mean_chroma: R) -> R {
-    let distance = (mean_hue - R::from_f64(275.0)) / R::from_f64(25.0);
-    let angle = R::from_f64(60.0) * (-(distance * distance)).exp();
-    -(R::TWO * saturation(mean_chroma) * radians(angle).sin())
-}
-
-fn radians<R: Real>(degrees: R) -> R {
-    degrees * (R::PI / R::from_f64(180.0))
-}
-
-fn degrees<R: Real>(radians: R) -> R {
-    radians * (R::from_f64(180.0) / R::PI)
-}
+/// sin(60° x) / x as a polynomial in x², within 2e-16 on [0, 1].
+const SINE: [f64; 7] = [
+    1.047_197_551_196_597_6,
+    -0.191_396_769_631_462_38,
+    0.010_494_502_221_429_313,
+    -0.000_274_012_128_732_233_44,
+    4.173_438_461_589_499_6e-6,
+    -4.159_903_234_733_966e-8,
+    2.871_773_151_581_584_5e-10,
+];
 
 #[cfg(test)]
 #[allow(clippy::float_cmp, reason = "exact values are what is stated")]

@@ -13,6 +13,7 @@ pub mod lab;
 pub mod rgb;
 pub mod xyz;
 
+pub(crate) use delta_e::differences;
 pub use delta_e::{delta_e_00, delta_e_00_weighted, delta_e_ab};
 pub use lab::{lab_f, lab_f_inverse, lab_to_xyz, xyz_to_lab};
 pub use rgb::{

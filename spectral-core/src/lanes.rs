@@ -1,0 +1,122 @@
+//! Arithmetic on `W` numbers at once: written once, used for one value and for several in lockstep.
+//!
+//! Every operation is a loop of fixed length without branches, which compilers turn into vector instructions; no lane
+//! depends on another, so that results are the same bits for every `W` and every target.
+
+use core::ops::{Add, Div, Mul, Neg, Sub};
+
+use crate::Real;
+
+/// `W` numbers.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Lanes<R, const W: usize>(pub(crate) [R; W]);
+
+impl<R: Real, const W: usize> Lanes<R, W> {
+    pub(crate) const ZERO: Self = Self([R::ZERO; W]);
+
+    /// The same constant in all lanes.
+    #[inline(always)]
+    pub(crate) fn constant(value: f64) -> Self {
+        Self([R::from_f64(value); W])
+    }
+
+    /// The same number in all lanes.
+    #[inline(always)]
+    pub(crate) fn all(value: R) -> Self {
+        Self([value; W])
+    }
+
+    #[inline(always)]
+    pub(crate) fn map(self, f: impl Fn(R) -> R) -> Self {
+        Self(core::array::from_fn(|lane| f(self.0[lane])))
+    }
+
+    #[inline(always)]
+    fn zip(self, other: Self, f: impl Fn(R, R) -> R) -> Self {
+        Self(core::array::from_fn(|lane| f(self.0[lane], other.0[lane])))
+    }
+
+    #[inline(always)]
+    pub(crate) fn sqrt(self) -> Self {
+        self.map(R::sqrt)
+    }
+
+    #[inline(always)]
+    pub(crate) fn abs(self) -> Self {
+        self.map(R::abs)
+    }
+
+    /// The smaller of each lane and a bound; the bound for NaN.
+    #[inline(always)]
+    pub(crate) fn min(self, bound: f64) -> Self {
+        self.map(|value| value.min(R::from_f64(bound)))
+    }
+
+    /// `yes` where a lane is above `limit`, else `no`.
+    #[inline(always)]
+    pub(crate) fn if_above(self, limit: R, yes: Self, no: Self) -> Self {
+        Self(core::array::from_fn(|lane| if self.0[lane] > limit { yes.0[lane] } else { no.0[lane] }))
+    }
+
+    /// `yes` where a lane is zero, else `no`.
+    #[inline(always)]
+    pub(crate) fn if_zero(self, yes: Self, no: Self) -> Self {
+        Self(core::array::from_fn(|lane| if self.0[lane] == R::ZERO { yes.0[lane] } else { no.0[lane] }))
+    }
+
+    /// Σ cₖ xᵏ, even and odd powers apart, which halves the chain of dependent operations.
+    #[inline(always)]
+    pub(crate) fn polynomial(self, coefficients: &[f64]) -> Self {
+        let square = self * self;
+        let horner = |first: usize| {
+            let mut sum = Self::ZERO;
+            for &coefficient in coefficients.iter().skip(first).step_by(2).rev() {
+                sum = sum * square + Self::constant(coefficient);
+            }
+            sum
+        };
+        horner(0) + self * horner(1)
+    }
+
+    /// Cube roots of positive normal numbers, within 1 ε; 0 for 0, NaN for NaN, anything for negative numbers, subnormal
+    /// ones and infinities.
+    ///
+    /// Not correctly rounded and not monotone, other than [`Real::cbrt`], but without branches or tables. An estimate r of
+    /// t^(−⅓) from the exponent is improved by two steps of the binomial series of (1 − e)^(−⅓) with e = 1 − t r³, and
+    /// t r² by one of Newton's.
+    #[inline(always)]
+    pub(crate) fn cbrt(self) -> Self {
+        let [one, third] = [1.0, 1.0 / 3.0].map(Self::constant);
+        let rest = |r: Self| one - self * r * (r * r);
+        let r = self.map(R::reciprocal_cbrt_estimate);
+        let e = rest(r);
+        let r = r + r * e * (third + e * (Self::constant(2.0 / 9.0) + e * Self::constant(14.0 / 81.0)));
+        let e = rest(r);
+        let r = r + r * e * (third + e * Self::constant(2.0 / 9.0));
+        let square = r * r;
+        let root = self * square;
+        root - (root * root * root - self) * (square * third)
+    }
+}
+
+macro_rules! elementwise {
+    ($($trait:ident $method:ident),*) => {$(
+        impl<R: Real, const W: usize> $trait for Lanes<R, W> {
+            type Output = Self;
+            #[inline(always)]
+            fn $method(self, other: Self) -> Self {
+                self.zip(other, R::$method)
+            }
+        }
+    )*};
+}
+
+elementwise!(Add add, Sub sub, Mul mul, Div div);
+
+impl<R: Real, const W: usize> Neg for Lanes<R, W> {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        self.map(R::neg)
+    }
+}
