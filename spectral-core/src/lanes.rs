@@ -46,10 +46,10 @@ impl<R: Real, const W: usize> Lanes<R, W> {
         self.map(R::abs)
     }
 
-    /// The smaller of each lane and a bound; the bound for NaN.
+    /// The smaller one in each lane; that of `other` when one is NaN.
     #[inline(always)]
-    pub(crate) fn min(self, bound: f64) -> Self {
-        self.map(|value| value.min(R::from_f64(bound)))
+    pub(crate) fn lesser(self, other: Self) -> Self {
+        self.zip(other, R::min)
     }
 
     /// `yes` where a lane is above `limit`, else `no`.
@@ -58,24 +58,17 @@ impl<R: Real, const W: usize> Lanes<R, W> {
         Self(core::array::from_fn(|lane| if self.0[lane] > limit { yes.0[lane] } else { no.0[lane] }))
     }
 
-    /// `yes` where a lane is zero, else `no`.
+    /// Σ cₖ xᵏ from pairs of coefficients of even and odd powers, which are summed apart: that halves the chain of dependent
+    /// operations.
     #[inline(always)]
-    pub(crate) fn if_zero(self, yes: Self, no: Self) -> Self {
-        Self(core::array::from_fn(|lane| if self.0[lane] == R::ZERO { yes.0[lane] } else { no.0[lane] }))
-    }
-
-    /// Σ cₖ xᵏ, even and odd powers apart, which halves the chain of dependent operations.
-    #[inline(always)]
-    pub(crate) fn polynomial(self, coefficients: &[f64]) -> Self {
+    pub(crate) fn polynomial(self, pairs: &[[f64; 2]]) -> Self {
         let square = self * self;
-        let horner = |first: usize| {
-            let mut sum = Self::ZERO;
-            for &coefficient in coefficients.iter().skip(first).step_by(2).rev() {
-                sum = sum * square + Self::constant(coefficient);
-            }
-            sum
-        };
-        horner(0) + self * horner(1)
+        let (mut even, mut odd) = (Self::ZERO, Self::ZERO);
+        for &[first, second] in pairs.iter().rev() {
+            even = even * square + Self::constant(first);
+            odd = odd * square + Self::constant(second);
+        }
+        even + self * odd
     }
 
     /// Cube roots of positive normal numbers, within 1 ε; 0 for 0, NaN for NaN, anything for negative numbers, subnormal

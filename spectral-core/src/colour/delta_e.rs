@@ -44,41 +44,75 @@ pub fn delta_e_00<R: Real>(first: [R; 3], second: [R; 3]) -> R {
 #[must_use]
 pub fn delta_e_00_weighted<R: Real>(first: [R; 3], second: [R; 3], factors: [R; 3]) -> R {
     let single = |lab: [R; 3]| lab.map(|c| Lanes([c]));
-    differences(single(first), single(second), factors).0[0]
+    differences(&single(first), &single(second), factors).0[0]
 }
 
 /// ΔE00 of `W` pairs at once, each as [`delta_e_00_weighted`] to the bit.
-#[inline]
+///
+/// Here and below what is marked as not to be inlined is a stage of its own: compilers find the vector instructions in
+/// short functions between memory and memory.
 pub(crate) fn differences<R: Real, const W: usize>(
-    first: [Lanes<R, W>; 3],
-    second: [Lanes<R, W>; 3],
-    [k_l, k_c, k_h]: [R; 3],
+    first: &[Lanes<R, W>; 3],
+    second: &[Lanes<R, W>; 3],
+    factors: [R; 3],
 ) -> Lanes<R, W> {
-    let one = Lanes::all(R::ONE);
-    let constant = Lanes::<R, W>::constant;
-    let stretch = chroma_stretch(&first, &second);
-    let (p, q) = (Polar::new(&first, stretch), Polar::new(&second, stretch));
+    let stretch = chroma_stretch(first, second);
+    let (p, q) = (Polar::new(first, &stretch), Polar::new(second, &stretch));
     let hue = Hue::between(&p, &q);
+    let mean_chroma = (p.chroma + q.chroma) * Lanes::constant(0.5);
+    let rotation = hue.rotation() * saturation(&mean_chroma);
+    let square = Scales::new([first[0], second[0]], &mean_chroma, &hue.dependence(), factors).square(
+        &(second[0] - first[0]),
+        &(q.chroma - p.chroma),
+        &hue.difference,
+        &rotation,
+    );
+    square.sqrt()
+}
 
-    let offset = (first[0] + second[0]) * constant(0.5) - constant(50.0);
-    let square = offset * offset;
-    let mean_chroma = (p.chroma + q.chroma) * constant(0.5);
-    // S_L = 1 + 0.015 s / √(20 + s) = (√(20 + s) + 0.015 s) / √(20 + s), so that one division serves the three quotients.
-    let root = (constant(20.0) + square).sqrt();
-    let k_s_l = Lanes::all(k_l) * (root + constant(0.015) * square);
-    let k_s_c = Lanes::all(k_c) * (one + constant(0.045) * mean_chroma);
-    let k_s_h = Lanes::all(k_h) * (one + constant(0.015) * mean_chroma * hue.dependence());
-    let inverse = one / (k_s_l * k_s_c * k_s_h);
+/// k_L S_L, k_C S_C and k_H S_H, the first one times √(20 + (L̄ − 50)²).
+struct Scales<R, const W: usize> {
+    root: Lanes<R, W>,
+    lightness: Lanes<R, W>,
+    chroma: Lanes<R, W>,
+    hue: Lanes<R, W>,
+}
 
-    let lightness = (second[0] - first[0]) * root * (k_s_c * k_s_h) * inverse;
-    let chroma = (q.chroma - p.chroma) * (k_s_l * k_s_h) * inverse;
-    let hue_difference = hue.difference * (k_s_l * k_s_c) * inverse;
-    let rotation = hue.rotation() * saturation(mean_chroma);
-    let square =
-        lightness * lightness + chroma * chroma + hue_difference * hue_difference - rotation * chroma * hue_difference;
-    // The quadratic form is positive definite (|rotation| < 2), so that only rounding can take it below zero; and `max`
-    // keeps NaN when it is the second operand.
-    square.map(|square| R::ZERO.max(square)).sqrt()
+impl<R: Real, const W: usize> Scales<R, W> {
+    /// From lightnesses, mean chroma and T.
+    #[inline(never)]
+    fn new([first, second]: [Lanes<R, W>; 2], chroma: &Lanes<R, W>, t: &Lanes<R, W>, [k_l, k_c, k_h]: [R; 3]) -> Self {
+        let constant = Lanes::<R, W>::constant;
+        let offset = (first + second) * constant(0.5) - constant(50.0);
+        let square = offset * offset;
+        let root = (constant(20.0) + square).sqrt();
+        Self {
+            root,
+            lightness: Lanes::all(k_l) * (root + constant(0.015) * square),
+            chroma: Lanes::all(k_c) * (constant(1.0) + constant(0.045) * *chroma),
+            hue: Lanes::all(k_h) * (constant(1.0) + constant(0.015) * *chroma * *t),
+        }
+    }
+
+    /// The square of ΔE00 from the differences (equation 22), with one division for three quotients.
+    #[inline(never)]
+    fn square(
+        &self,
+        lightness: &Lanes<R, W>,
+        chroma: &Lanes<R, W>,
+        hue: &Lanes<R, W>,
+        rotation: &Lanes<R, W>,
+    ) -> Lanes<R, W> {
+        let chroma_hue = self.chroma * self.hue;
+        let inverse = Lanes::constant(1.0) / (self.lightness * chroma_hue);
+        let lightness = *lightness * self.root * chroma_hue * inverse;
+        let chroma = *chroma * (self.lightness * self.hue) * inverse;
+        let hue = *hue * (self.lightness * self.chroma) * inverse;
+        let square = lightness * lightness + chroma * chroma + hue * hue - *rotation * chroma * hue;
+        // The quadratic form is positive definite (|rotation| < 2), so that only rounding can take it below zero; and
+        // `max` keeps NaN when it is the second operand.
+        square.map(|square| R::ZERO.max(square))
+    }
 }
 
 /// A colour's a′, b′ and chroma C′.
@@ -90,10 +124,9 @@ struct Polar<R, const W: usize> {
 
 impl<R: Real, const W: usize> Polar<R, W> {
     /// Equations 5 and 6.
-    #[inline(always)]
-    fn new(lab: &[Lanes<R, W>; 3], stretch: Lanes<R, W>) -> Self {
-        let (a, b) = (lab[1] * stretch, lab[2]);
-        Self { a, b, chroma: (a * a + b * b).sqrt() }
+    fn new(lab: &[Lanes<R, W>; 3], stretch: &Lanes<R, W>) -> Self {
+        let a = lab[1] * *stretch;
+        Self { a, b: lab[2], chroma: chroma(&a, &lab[2]) }
     }
 }
 
@@ -110,30 +143,14 @@ impl<R: Real, const W: usize> Hue<R, W> {
     /// The mean hue is that of the bisector of the shorter arc. With unit vectors u, v of the two hues and half their
     /// difference β it is the direction of u + v, of length 2 cos β, or that of v − u, of length 2 |sin β|, turned by 90°;
     /// the longer one is taken. The same lengths give ΔH′ = 2 √(C′₁ C′₂) sin β. Vectors are scaled by C′₁ C′₂.
-    #[inline(always)]
     fn between(p: &Polar<R, W>, q: &Polar<R, W>) -> Self {
-        let product = p.chroma * q.chroma;
-        let cross = p.a * q.b - q.a * p.b;
-        let dot = p.a * q.a + p.b * q.b;
-        let side = turn(p, cross);
-        let (scale, length) = (product.sqrt(), (product + dot.abs()) * Lanes::constant(2.0));
-        let length = length.sqrt();
-
-        let (pa, pb) = (p.a * q.chroma, p.b * q.chroma);
-        let (qa, qb) = (q.a * p.chroma, q.b * p.chroma);
-        let x = dot.if_above(R::ZERO, pa + qa, side * (qb - pb));
-        let y = dot.if_above(R::ZERO, pb + qb, side * (pa - qa));
-        // A grey has no hue: the mean is then the other's hue, and 0 of two greys.
-        let norm = product.if_zero(p.chroma + q.chroma, scale * length);
-        let (x, y) = (product.if_zero(p.a + q.a, x), product.if_zero(p.b + q.b, y));
-        let x = norm.if_zero(Lanes::all(R::ONE), x);
-        let inverse = Lanes::all(R::ONE) / norm.if_zero(Lanes::all(R::ONE), norm);
-        let difference = dot.if_above(R::ZERO, cross * Lanes::constant(2.0) * scale * inverse, side * length);
-        Self { difference, cosine: x * inverse, sine: y * inverse }
+        let pair = Pair::new(p, q);
+        let (scale, length) = (pair.product.sqrt(), pair.length.sqrt());
+        pair.hue(&scale, &length, &pair.bisector(p, q), &(p.chroma + q.chroma))
     }
 
     /// T (equation 15): cosines of the multiples of the mean hue.
-    #[inline(always)]
+    #[inline(never)]
     fn dependence(&self) -> Lanes<R, W> {
         let constant = Lanes::<R, W>::constant;
         let (one, two) = (constant(1.0), constant(2.0));
@@ -154,44 +171,94 @@ impl<R: Real, const W: usize> Hue<R, W> {
     ///
     /// The standard's Gaussian is of a hue in [0°, 360°) and is not periodic: in the first quadrant, to which it would
     /// come round, it is below 1e-23.
-    #[inline(always)]
+    #[inline(never)]
     fn rotation(&self) -> Lanes<R, W> {
         let constant = Lanes::<R, W>::constant;
         let [cosine, sine] = [0.087_155_742_747_658_17, -0.996_194_698_091_745_5];
         let gauss = (constant(cosine) * self.cosine + constant(sine) * self.sine).polynomial(&GAUSSIAN);
         let value = constant(2.0) * gauss * (gauss * gauss).polynomial(&SINE);
-        // −1 is below every cosine and sine of the other quadrants' sides: the smaller of both tells.
-        let quadrant = Lanes(core::array::from_fn(|lane| self.cosine.0[lane].min(self.sine.0[lane])));
-        quadrant.if_above(-R::MIN_POSITIVE, Lanes::ZERO, value)
+        // Of neither −0 nor 0 is the smaller one below −MIN_POSITIVE.
+        self.cosine.lesser(self.sine).if_above(-R::MIN_POSITIVE, Lanes::ZERO, value)
     }
 }
 
-/// 1 where the second hue is ahead of the first one by less than 180°, −1 where it is behind.
-///
-/// Of exactly opposite hues the standard takes the one in [180°, 360°) as that ahead. The sign is that of the cross product:
-/// rounded angles of nearly opposite hues could differ by a little more or less than 180°, and the formula jumps there.
-#[inline(always)]
-fn turn<R: Real, const W: usize>(p: &Polar<R, W>, cross: Lanes<R, W>) -> Lanes<R, W> {
-    Lanes(core::array::from_fn(|lane| {
-        let (a, b, cross) = (p.a.0[lane], p.b.0[lane], cross.0[lane]);
-        let key = if b == R::ZERO { a } else { b };
-        let key = if cross == R::ZERO { key } else { cross };
-        if key >= R::ZERO { R::ONE } else { -R::ONE }
-    }))
+/// What the mean hue and the hue difference of two colours are made of.
+struct Pair<R, const W: usize> {
+    /// C′₁ C′₂.
+    product: Lanes<R, W>,
+    cross: Lanes<R, W>,
+    dot: Lanes<R, W>,
+    /// 1 where the second hue is ahead of the first one by less than 180°, −1 where it is behind.
+    side: Lanes<R, W>,
+    /// The square of 2 √(C′₁ C′₂) times the larger one of cos β and |sin β|.
+    length: Lanes<R, W>,
+}
+
+impl<R: Real, const W: usize> Pair<R, W> {
+    #[inline(never)]
+    fn new(p: &Polar<R, W>, q: &Polar<R, W>) -> Self {
+        let product = p.chroma * q.chroma;
+        let cross = p.a * q.b - q.a * p.b;
+        let dot = p.a * q.a + p.b * q.b;
+        // Of exactly opposite hues the standard takes the one in [180°, 360°) as that ahead. Otherwise the cross product
+        // tells: rounded angles of nearly opposite hues could differ by a little more or less than 180°, and the formula
+        // jumps there.
+        let (zero, one) = (Lanes::ZERO, Lanes::all(R::ONE));
+        let ahead = |value: Lanes<R, W>, tie| value.if_above(R::ZERO, one, (-value).if_above(R::ZERO, zero - one, tie));
+        let side = ahead(cross, ahead(p.b, ahead(p.a, zero - one)));
+        Self { product, cross, dot, side, length: (product + dot.abs()) * Lanes::constant(2.0) }
+    }
+
+    /// The direction of the mean hue.
+    #[inline(never)]
+    fn bisector(&self, p: &Polar<R, W>, q: &Polar<R, W>) -> [Lanes<R, W>; 2] {
+        let (pa, pb) = (p.a * q.chroma, p.b * q.chroma);
+        let (qa, qb) = (q.a * p.chroma, q.b * p.chroma);
+        let near = [pa + qa, pb + qb];
+        let far = [self.side * (qb - pb), self.side * (pa - qa)];
+        // A grey has no hue: the mean is then the other's hue.
+        let grey = [p.a + q.a, p.b + q.b];
+        core::array::from_fn(|c| {
+            self.product.if_above(R::MIN_POSITIVE, self.dot.if_above(R::ZERO, near[c], far[c]), grey[c])
+        })
+    }
+
+    /// From the square roots of `product` and `length`, the bisector, and the sum of the chromas.
+    #[inline(never)]
+    fn hue(
+        &self,
+        scale: &Lanes<R, W>,
+        length: &Lanes<R, W>,
+        [x, y]: &[Lanes<R, W>; 2],
+        sum: &Lanes<R, W>,
+    ) -> Hue<R, W> {
+        let one = Lanes::all(R::ONE);
+        let norm = self.product.if_above(R::MIN_POSITIVE, *scale * *length, *sum);
+        // The mean hue of two greys is 0.
+        let x = norm.if_above(R::ZERO, *x, one);
+        let inverse = one / norm.if_above(R::ZERO, norm, one);
+        let near = self.cross * Lanes::constant(2.0) * *scale * inverse;
+        let difference = self.dot.if_above(R::ZERO, near, self.side * *length);
+        Hue { difference, cosine: x * inverse, sine: *y * inverse }
+    }
 }
 
 /// 1 + G: the stretch of the a\* axis near grey (equations 2 to 5).
-#[inline(always)]
 fn chroma_stretch<R: Real, const W: usize>(first: &[Lanes<R, W>; 3], second: &[Lanes<R, W>; 3]) -> Lanes<R, W> {
-    let chroma = |[_, a, b]: &[Lanes<R, W>; 3]| (*a * *a + *b * *b).sqrt();
-    let mean = (chroma(first) + chroma(second)) * Lanes::constant(0.5);
-    Lanes::constant(1.5) - Lanes::constant(0.5) * saturation(mean)
+    let mean = (chroma(&first[1], &first[2]) + chroma(&second[1], &second[2])) * Lanes::constant(0.5);
+    Lanes::constant(1.5) - Lanes::constant(0.5) * saturation(&mean)
+}
+
+/// √(a² + b²).
+#[inline(never)]
+fn chroma<R: Real, const W: usize>(a: &Lanes<R, W>, b: &Lanes<R, W>) -> Lanes<R, W> {
+    (*a * *a + *b * *b).sqrt()
 }
 
 /// √(C⁷ / (C⁷ + 25⁷)); from C = 10⁴ on, where C⁷ might overflow, it is 1 to rounding.
-#[inline(always)]
-fn saturation<R: Real, const W: usize>(chroma: Lanes<R, W>) -> Lanes<R, W> {
-    let chroma = chroma.min(1e4);
+#[inline(never)]
+fn saturation<R: Real, const W: usize>(chroma: &Lanes<R, W>) -> Lanes<R, W> {
+    let chroma = chroma.lesser(Lanes::constant(1e4));
     let cube = chroma * chroma * chroma;
     let seventh = cube * cube * chroma;
     (seventh / (seventh + Lanes::constant(6_103_515_625.0))).sqrt()
@@ -201,45 +268,29 @@ fn saturation<R: Real, const W: usize>(chroma: Lanes<R, W>) -> Lanes<R, W> {
 ///
 /// The truncated Chebyshev series in powers: it converges fast since θ² is an analytic function of cos θ but for
 /// θ = 180°, where the exponential is 3e-23. All coefficients are positive and their sum is 1, so that rounding stays small.
-const GAUSSIAN: [f64; 27] = [
-    2.352_575_199_994_513_7e-6,
-    3.882_027_743_057_913e-5,
-    0.000_307_933_401_977_766_86,
-    0.001_564_289_921_957_133_6,
-    0.005_720_404_184_521_16,
-    0.016_048_785_969_893_45,
-    0.035_951_340_614_857_96,
-    0.066_084_161_358_816_35,
-    0.101_661_545_430_728_79,
-    0.132_843_738_794_089_37,
-    0.149_159_349_489_681_96,
-    0.145_228_398_044_426_3,
-    0.123_523_069_362_874_24,
-    0.092_334_607_373_778_81,
-    0.060_964_049_974_088_9,
-    0.035_701_932_422_800_64,
-    0.018_610_452_053_347_326,
-    0.008_661_305_546_062_968,
-    0.003_607_610_639_118_238,
-    0.001_347_311_189_812_375_4,
-    0.000_452_472_428_742_288_73,
-    0.000_137_265_063_315_649_08,
-    3.734_117_385_561_352e-5,
-    8.886_691_006_752_573e-6,
-    1.990_875_149_603_400_7e-6,
-    4.973_466_094_053_569e-7,
-    8.779_585_612_243_098e-8,
+const GAUSSIAN: [[f64; 2]; 14] = [
+    [2.352_575_199_994_513_7e-6, 3.882_027_743_057_913e-5],
+    [0.000_307_933_401_977_766_86, 0.001_564_289_921_957_133_6],
+    [0.005_720_404_184_521_16, 0.016_048_785_969_893_45],
+    [0.035_951_340_614_857_96, 0.066_084_161_358_816_35],
+    [0.101_661_545_430_728_79, 0.132_843_738_794_089_37],
+    [0.149_159_349_489_681_96, 0.145_228_398_044_426_3],
+    [0.123_523_069_362_874_24, 0.092_334_607_373_778_81],
+    [0.060_964_049_974_088_9, 0.035_701_932_422_800_64],
+    [0.018_610_452_053_347_326, 0.008_661_305_546_062_968],
+    [0.003_607_610_639_118_238, 0.001_347_311_189_812_375_4],
+    [0.000_452_472_428_742_288_73, 0.000_137_265_063_315_649_08],
+    [3.734_117_385_561_352e-5, 8.886_691_006_752_573e-6],
+    [1.990_875_149_603_400_7e-6, 4.973_466_094_053_569e-7],
+    [8.779_585_612_243_098e-8, 0.0],
 ];
 
 /// sin(60° x) / x as a polynomial in x², within 2e-16 on [0, 1].
-const SINE: [f64; 7] = [
-    1.047_197_551_196_597_6,
-    -0.191_396_769_631_462_38,
-    0.010_494_502_221_429_313,
-    -0.000_274_012_128_732_233_44,
-    4.173_438_461_589_499_6e-6,
-    -4.159_903_234_733_966e-8,
-    2.871_773_151_581_584_5e-10,
+const SINE: [[f64; 2]; 4] = [
+    [1.047_197_551_196_597_6, -0.191_396_769_631_462_38],
+    [0.010_494_502_221_429_313, -0.000_274_012_128_732_233_44],
+    [4.173_438_461_589_499_6e-6, -4.159_903_234_733_966e-8],
+    [2.871_773_151_581_584_5e-10, 0.0],
 ];
 
 #[cfg(test)]

@@ -140,9 +140,12 @@ pub(crate) fn general_indices<R: Real>(test: &EightSums<R>, reference: &Referenc
         let xyz = lanes(&test.samples, part);
         let [l, a, b, w, u, v] = lanes(&reference.colours, part);
         *ra = distances([w, u, v], uniform_colours(&von_kries, xyz, relative, white_uv)).0;
-        *cri00 = differences([l, a, b], lab_colours(&rows, xyz), [R::ONE; 3]).0;
+        *cri00 = differences(&[l, a, b], &lab_colours(&rows, xyz), [R::ONE; 3]).0;
     }
-    [mean(ra.map(|difference| R::from_f64(4.6) * difference)), mean(cri00.map(|difference| R::from_f64(Cri00::MUNSELL.factor) * difference))]
+    [
+        mean(ra.map(|difference| R::from_f64(4.6) * difference)),
+        mean(cri00.map(|difference| R::from_f64(Cri00::MUNSELL.factor) * difference)),
+    ]
 }
 
 /// One part of each channel.
