@@ -63,7 +63,7 @@ impl<R: Real> EightSums<R> {
     }
 }
 
-/// Σ powerᵢ rowᵢ.
+/// Σ lightᵢ rowᵢ.
 ///
 /// Not inlined: what is done with the sums would otherwise decide how they lie in vector registers, and they
 /// would not all find room.
@@ -82,14 +82,16 @@ fn weighted_rows<R: Real>(light: &[R], rows: impl Iterator<Item = Products<R>>) 
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ReferenceColours<R> {
     /// X and Z of the light, relative to Y = 1.
-    pub(crate) white: [R; 2],
-    /// L\*, a\*, b\* relative to the light, and W\*, U\*, V\*, of the eight samples.
-    pub(crate) colours: [[R; 8]; 6],
+    pub(crate) white: [[R; 2]; 1],
+    /// L\*, a\*, b\* of the eight samples, relative to the light.
+    pub(crate) lab: [[R; 8]; 3],
+    /// W\*, U\*, V\* of the eight samples.
+    pub(crate) uniform: [[R; 8]; 3],
 }
 
 impl<R: Real> ReferenceColours<R> {
     pub(crate) const fn zero() -> Self {
-        Self { white: [R::ZERO; 2], colours: [[R::ZERO; 8]; 6] }
+        Self { white: [[R::ZERO; 2]], lab: [[R::ZERO; 8]; 3], uniform: [[R::ZERO; 8]; 3] }
     }
 
     /// Adds the other one's values times a factor.
@@ -99,8 +101,9 @@ impl<R: Real> ReferenceColours<R> {
                 *sum += value * factor;
             }
         };
-        add(&mut self.white, &other.white);
-        add(self.colours.as_flattened_mut(), other.colours.as_flattened());
+        add(self.white.as_flattened_mut(), other.white.as_flattened());
+        add(self.lab.as_flattened_mut(), other.lab.as_flattened());
+        add(self.uniform.as_flattened_mut(), other.uniform.as_flattened());
     }
 
     /// The colours from the sums of the reference light, which must have luminance.
@@ -108,77 +111,63 @@ impl<R: Real> ReferenceColours<R> {
         let y = sums.white[1];
         let white = sums.white.map(|c| c / y);
         let uv = xyz_to_uv(white);
-        let mut colours = [[R::ZERO; 8]; 6];
+        let mut found = Self { white: [[white[0], white[2]]], ..Self::zero() };
         for sample in 0..8 {
             let xyz = sums.samples.map(|channel| channel[sample] / y);
-            let found = [xyz_to_lab(xyz, white), uniform(xyz_to_uv(xyz), xyz[1], uv)];
-            for (channel, value) in colours.iter_mut().zip(found.as_flattened()) {
-                channel[sample] = *value;
+            for (channel, value) in found.lab.iter_mut().zip(xyz_to_lab(xyz, white)) {
+                channel[sample] = value;
+            }
+            for (channel, value) in found.uniform.iter_mut().zip(uniform(xyz_to_uv(xyz), xyz[1], uv)) {
+                channel[sample] = value;
             }
         }
-        Self { white: [white[0], white[2]], colours }
+        found
     }
 }
 
-/// How many samples go in lockstep: as many as leave all intermediate values in vector registers of 128 bits.
-const LOCKSTEP: usize = 8;
-
 /// R_a and CRI00: what [`cie_13_3`](super::cie_13_3) and [`cri00`](super::cri00) give to rounding.
-#[inline]
 pub(crate) fn general_indices<R: Real>(test: &EightSums<R>, reference: &ReferenceColours<R>) -> [R; 2] {
-    let white = [reference.white[0], R::ONE, reference.white[1]];
+    let [[x, z]] = reference.white;
+    let white = [x, R::ONE, z];
     let relative = R::ONE / test.white[1];
+    let samples = test.samples.map(Lanes);
+
     let von_kries = VonKries::new(test.white, white);
-    let white_uv = xyz_to_uv(white);
+    let colours = uniform_colours(&von_kries, &samples, relative, xyz_to_uv(white));
+    let ra = distances(&reference.uniform.map(Lanes), &colours);
+
     let bradford = Adaptation::bradford(test.white.map(|c| c * relative), white);
     let rows = bradford.matrix();
     let rows = core::array::from_fn(|channel| rows[channel].map(|m| m * (relative / white[channel])));
-
-    let (mut ra, mut cri00) = ([R::ZERO; 8], [R::ZERO; 8]);
-    let results = ra.as_chunks_mut::<LOCKSTEP>().0.iter_mut().zip(cri00.as_chunks_mut::<LOCKSTEP>().0);
-    for (part, (ra, cri00)) in results.enumerate() {
-        let xyz = lanes(&test.samples, part);
-        let [l, a, b, w, u, v] = lanes(&reference.colours, part);
-        *ra = distances([w, u, v], uniform_colours(&von_kries, xyz, relative, white_uv)).0;
-        *cri00 = differences(&[l, a, b], &lab_colours(&rows, xyz), [R::ONE; 3]).0;
-    }
-    [
-        mean(ra.map(|difference| R::from_f64(4.6) * difference)),
-        mean(cri00.map(|difference| R::from_f64(Cri00::MUNSELL.factor) * difference)),
-    ]
+    let cri00 = differences(&reference.lab.map(Lanes), &lab_colours(&rows, &samples), [R::ONE; 3]);
+    [general(4.6, &ra), general(Cri00::MUNSELL.factor, &cri00)]
 }
 
-/// One part of each channel.
-#[inline(always)]
-fn lanes<R: Real, const C: usize>(channels: &[[R; 8]; C], part: usize) -> [Lanes<R, LOCKSTEP>; C] {
-    channels.each_ref().map(|values| Lanes(values.as_chunks().0.get(part).copied().unwrap_or([R::ZERO; LOCKSTEP])))
-}
-
-/// 100 less the mean.
-fn mean<R: Real>(values: [R; 8]) -> R {
+/// 100 less the mean of the differences times a factor.
+fn general<R: Real>(factor: f64, differences: &Lanes<R, 8>) -> R {
     let mut sum = R::ZERO;
-    for value in values {
-        sum += value;
+    for difference in differences.0 {
+        sum += difference;
     }
-    R::from_f64(100.0) - sum * R::from_f64(0.125)
+    R::from_f64(100.0) - R::from_f64(factor) * (sum * R::from_f64(0.125))
 }
 
-#[inline(always)]
-fn distances<R: Real, const W: usize>(first: [Lanes<R, W>; 3], second: [Lanes<R, W>; 3]) -> Lanes<R, W> {
+#[inline(never)]
+fn distances<R: Real, const W: usize>(first: &[Lanes<R, W>; 3], second: &[Lanes<R, W>; 3]) -> Lanes<R, W> {
     let [x, y, z] = core::array::from_fn(|channel| first[channel] - second[channel]);
     (x * x + y * y + z * z).sqrt()
 }
 
 /// Adapted W\*, U\*, V\* of tristimulus sums, which times `relative` are relative to the white.
-#[inline(always)]
+#[inline(never)]
 fn uniform_colours<R: Real, const W: usize>(
     adaptation: &VonKries<R>,
-    xyz: [Lanes<R, W>; 3],
+    xyz: &[Lanes<R, W>; 3],
     relative: R,
     [u0, v0]: [R; 2],
 ) -> [Lanes<R, W>; 3] {
     let constant = Lanes::<R, W>::constant;
-    let [u, v] = adaptation.apply(xyz);
+    let [u, v] = adaptation.apply(*xyz);
     let root = (xyz[1] * Lanes::all(R::from_f64(100.0) * relative)).cbrt();
     let lightness = constant(25.0) * root - constant(17.0);
     let scale = constant(13.0) * lightness;
@@ -186,14 +175,17 @@ fn uniform_colours<R: Real, const W: usize>(
 }
 
 /// CIELAB of tristimulus sums by a matrix that adapts them and divides them by the white.
-#[inline(always)]
-fn lab_colours<R: Real, const W: usize>(rows: &[[R; 3]; 3], [x, y, z]: [Lanes<R, W>; 3]) -> [Lanes<R, W>; 3] {
+fn lab_colours<R: Real, const W: usize>(rows: &[[R; 3]; 3], xyz: &[Lanes<R, W>; 3]) -> [Lanes<R, W>; 3] {
     let constant = Lanes::<R, W>::constant;
-    let [fx, fy, fz] = rows.map(|[a, b, c]| {
-        let t = Lanes::all(a) * x + Lanes::all(b) * y + Lanes::all(c) * z;
-        // The function f of CIELAB; only within 2 ε of `lab_f`, and not monotone to the last bit.
-        let line = t * constant(841.0 / 108.0) + constant(4.0 / 29.0);
-        t.if_above(R::from_f64(216.0 / 24_389.0), t.cbrt(), line)
-    });
+    let [fx, fy, fz] = [lab_f(&rows[0], xyz), lab_f(&rows[1], xyz), lab_f(&rows[2], xyz)];
     [constant(116.0) * fy - constant(16.0), constant(500.0) * (fx - fy), constant(200.0) * (fy - fz)]
+}
+
+/// The function f of CIELAB of a combination of tristimulus values: only within 2 ε of [`crate::colour::lab_f`], and not
+/// monotone to the last bit.
+#[inline(never)]
+fn lab_f<R: Real, const W: usize>([a, b, c]: &[R; 3], [x, y, z]: &[Lanes<R, W>; 3]) -> Lanes<R, W> {
+    let t = Lanes::all(*a) * *x + Lanes::all(*b) * *y + Lanes::all(*c) * *z;
+    let line = t * Lanes::constant(841.0 / 108.0) + Lanes::constant(4.0 / 29.0);
+    t.if_above(R::from_f64(216.0 / 24_389.0), t.cbrt(), line)
 }

@@ -76,15 +76,22 @@ impl<R: Real> ReferencePiece<R> {
         let position = (mired - R::from_f64(0.5 * (first + last))) * R::from_f64(2.0 / (last - first));
         Some(ReferenceColours {
             white: self.horner(position, |colours| &colours.white),
-            colours: core::array::from_fn(|channel| self.horner(position, |colours| &colours.colours[channel])),
+            lab: self.horner(position, |colours| &colours.lab),
+            uniform: self.horner(position, |colours| &colours.uniform),
         })
     }
 
-    #[inline(always)]
-    fn horner<const W: usize>(&self, position: R, part: impl Fn(&ReferenceColours<R>) -> &[R; W]) -> [R; W] {
-        let mut sums = [R::ZERO; W];
+    /// Not inlined, so that all sums of a part find room in vector registers.
+    #[inline(never)]
+    fn horner<const W: usize, const C: usize>(
+        &self,
+        position: R,
+        part: impl Fn(&ReferenceColours<R>) -> &[[R; W]; C],
+    ) -> [[R; W]; C] {
+        let mut sums = [[R::ZERO; W]; C];
         for coefficients in self.coefficients.iter().rev() {
-            for (sum, &coefficient) in sums.iter_mut().zip(part(coefficients)) {
+            let coefficients = part(coefficients).as_flattened();
+            for (sum, &coefficient) in sums.as_flattened_mut().iter_mut().zip(coefficients) {
                 *sum = *sum * position + coefficient;
             }
         }

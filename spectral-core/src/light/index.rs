@@ -1,6 +1,6 @@
 //! Colour temperature, R_a and CRI00 alone, as fast as they can be had.
 
-use super::{Chromaticity, LightError, chromaticity, normalise};
+use super::{Chromaticity, LightError, chromaticity, unit};
 use crate::Real;
 use crate::cct::{Locus, LocusTable, PlanckianLocus};
 use crate::colour_rendering::{
@@ -88,8 +88,8 @@ fn general<R: Real, I: Iterator<Item = Products<R>>, const N: usize>(
     nodes: &impl Locus<R>,
     colours: impl FnOnce(ReferenceLight<R>) -> Option<ReferenceColours<R>>,
 ) -> Result<GeneralIndices<R>, LightError> {
-    let (light, _) = normalise(light)?;
-    let sums = EightSums::new(&light, rows());
+    let scale = R::ONE / unit(light)?;
+    let sums = EightSums::new(&light.map(|sample| sample * scale), rows());
     let chromaticity = chromaticity(sums.white, nodes)?;
     let Some(reference) = chromaticity.reference else {
         return Ok(GeneralIndices { chromaticity, ra: None, cri00: None });

@@ -243,25 +243,37 @@ const LANES: usize = 8;
 
 /// The light divided by the power of two below its largest sample, exactly, and that power.
 fn normalise<R: Real, const N: usize>(light: &[R; N]) -> Result<([R; N], R), LightError> {
+    let unit = unit(light)?;
+    let scale = R::ONE / unit;
+    Ok((light.map(|sample| sample * scale), unit))
+}
+
+/// The power of two below the largest sample of a light that is fit to be measured; it and its reciprocal are normal numbers.
+fn unit<R: Real, const N: usize>(light: &[R; N]) -> Result<R, LightError> {
     // The largest sample of every eighth, and whether all is well: without branches, so that it costs little.
-    let (mut largest, mut fine) = ([R::ZERO; LANES], [true; LANES]);
-    for chunk in light.chunks(LANES) {
-        for ((&sample, largest), fine) in chunk.iter().zip(&mut largest).zip(&mut fine) {
-            *fine &= sample >= R::ZERO && sample <= R::MAX;
-            *largest = sample.max(*largest);
+    let (mut largest, mut smallest) = ([R::ZERO; LANES], [R::ZERO; LANES]);
+    let (chunks, rest) = light.as_chunks::<LANES>();
+    let mut last = [R::ZERO; LANES];
+    for (last, &sample) in last.iter_mut().zip(rest) {
+        *last = sample;
+    }
+    for chunk in chunks.iter().chain([&last]) {
+        for lane in 0..LANES {
+            let sample = chunk[lane];
+            largest[lane] = sample.max(largest[lane]);
+            // NaN is taken over and kept.
+            smallest[lane] = if sample >= smallest[lane] { smallest[lane] } else { sample };
         }
     }
-    if fine != [true; LANES] {
+    let fine = largest.iter().all(|&sample| sample <= R::MAX) && smallest == [R::ZERO; LANES];
+    if !fine {
         return Err(first_fault(light));
     }
     let largest = largest.into_iter().fold(R::ZERO, R::max);
     if largest == R::ZERO {
         return Err(LightError::Dark);
     }
-    // Both it and its reciprocal are to be normal numbers.
-    let unit = largest.binade().max(R::MIN_POSITIVE).min(R::ONE / R::MIN_POSITIVE);
-    let scale = R::ONE / unit;
-    Ok((light.map(|sample| sample * scale), unit))
+    Ok(largest.binade().max(R::MIN_POSITIVE).min(R::ONE / R::MIN_POSITIVE))
 }
 
 /// What is wrong with a light that has a sample below zero or not finite.
