@@ -117,6 +117,7 @@ impl<R: Real> VonKries<R> {
 
 /// d Y.
 #[inline(always)]
+#[allow(clippy::approx_constant, reason = "2.718 is 16.308 / 6, exactly")]
 fn blue_less_red<R: Real, const W: usize>([x, y, z]: [Lanes<R, W>; 3]) -> Lanes<R, W> {
     let constant = Lanes::<R, W>::constant;
     constant(2.718) * y + constant(0.202) * z - constant(0.92) * x

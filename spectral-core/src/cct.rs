@@ -416,3 +416,32 @@ impl<R: Real> Quintic<R> {
         t
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::tables::observers::CIE_1931_2;
+
+    /// What is found from a guess is what the search of the whole locus finds, and it is found wherever lamps are.
+    #[test]
+    fn a_nearby_point_is_that_of_the_whole_search() {
+        let grid = SumGrid::CIE_5NM;
+        let locus = PlanckianLocus::new(grid, &grid.observer::<f64>(&CIE_1931_2), RadiationConstant::Its1990);
+        let table = LocusTable::new(&locus);
+        for step in 0..1000 {
+            let mired = 10.5 + 1989.0 * f64::from(step) / 1000.0;
+            let index = ((mired - HOT_END) / SPACING).to_usize();
+            let [point, tangent, _] = Quintic::new(&table.node(index), &table.node(index + 1)).at(0.3);
+            let length = (tangent[0] * tangent[0] + tangent[1] * tangent[1]).sqrt();
+            for offset in -60..=60 {
+                let duv = f64::from(offset) * 1e-3;
+                let uv = [point[0] - tangent[1] / length * duv, point[1] + tangent[0] / length * duv];
+                let nearby = find_nearby(uv, &table);
+                assert!(nearby.is_none() || nearby == Some(search(uv, &table)), "{mired} mired, {duv}");
+                let common = (40.0..900.0).contains(&mired) && duv.abs() <= 0.02;
+                assert!(nearby.is_some() || !common, "{mired} mired, {duv}");
+                assert!(nearby.is_none() || duv.abs() < 0.0501, "{mired} mired, {duv}");
+            }
+        }
+    }
+}

@@ -113,3 +113,49 @@ impl<R: Real, const W: usize> Neg for Lanes<R, W> {
         self.map(R::neg)
     }
 }
+
+#[cfg(test)]
+#[allow(clippy::float_cmp, reason = "exact values are what is stated")]
+mod tests {
+    use super::*;
+
+    /// `independent`: the correctly rounded roots of `libm`.
+    fn worst_cube_root<R: Real>() -> f64 {
+        let mut worst: f64 = 0.0;
+        // Mantissas all over two octaves of three, at several scales.
+        for scale in [1e-30, 1e-3, 1.0, 1e4, 1e30] {
+            for step in 0..300_000 {
+                let t = R::from_f64(scale * (1.0 + 7.0 * f64::from(step) / 300_000.0));
+                let exact = t.cbrt().to_f64();
+                let [root] = Lanes([t]).cbrt().0;
+                worst = worst.max((root.to_f64() - exact).abs() / (exact * R::EPSILON.to_f64()));
+            }
+        }
+        worst
+    }
+
+    #[test]
+    fn cube_roots_are_as_accurate_as_stated() {
+        // Half a unit for the rounding of `libm`'s comes on top.
+        assert!(worst_cube_root::<f64>() <= 1.5, "{}", worst_cube_root::<f64>());
+        assert!(worst_cube_root::<f32>() <= 1.5, "{}", worst_cube_root::<f32>());
+    }
+
+    #[test]
+    fn zero_and_nan_stay() {
+        assert_eq!(Lanes([0.0, 0.0_f64]).cbrt().0, [0.0; 2]);
+        assert_eq!(Lanes([0.0_f32]).cbrt().0, [0.0]);
+        assert!(Lanes([f64::NAN]).cbrt().0[0].is_nan() && Lanes([f32::NAN]).cbrt().0[0].is_nan());
+    }
+
+    #[test]
+    fn a_lane_does_not_depend_on_the_others() {
+        let values: [f64; 8] = core::array::from_fn(|lane| 0.01 + 0.3 * f64::from(u8::try_from(lane).unwrap()));
+        let polynomial = [[1.0, 0.5], [-0.25, 3.0]];
+        for (lane, value) in values.into_iter().enumerate() {
+            assert_eq!(Lanes(values).cbrt().0[lane], Lanes([value]).cbrt().0[0]);
+            assert_eq!(Lanes(values).polynomial(&polynomial).0[lane], Lanes([value]).polynomial(&polynomial).0[0]);
+        }
+        assert_eq!(Lanes([2.0]).polynomial(&polynomial).0, [1.0 + 0.5 * 2.0 - 0.25 * 4.0 + 3.0 * 8.0]);
+    }
+}

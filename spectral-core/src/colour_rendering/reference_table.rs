@@ -120,3 +120,79 @@ fn powers<R: Real>(series: &[ReferenceColours<R>; ORDER]) -> [ReferenceColours<R
     }
     result
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cct::PlanckianLocus;
+    use crate::colour_rendering::{EightSamples, EightSums};
+    use crate::spectrum::RadiationConstant;
+    use crate::summation::SumGrid;
+    use crate::tables::observers::CIE_1931_2;
+
+    /// The largest distance of interpolated colours from the functions, over each piece and at its very ends.
+    fn largest_error<R: Real>() -> [f64; PIECE_COUNT] {
+        let grid = SumGrid::CIE_5NM;
+        let observer = grid.observer::<R>(&CIE_1931_2);
+        let exact = grid.observer::<f64>(&CIE_1931_2);
+        let locus = PlanckianLocus::new(grid, &observer, RadiationConstant::Its1990);
+        let exact_locus = PlanckianLocus::new(grid, &exact, RadiationConstant::Its1990);
+        let (samples, exact_samples) = (EightSamples::new(grid, &observer), EightSamples::new(grid, &exact));
+        let colours = |light: ReferenceLight<R>| {
+            let rows = (0..81).map(|index| samples.products(index));
+            Some(ReferenceColours::new(&EightSums::new(&light.spectrum(grid, &locus)?, rows)))
+        };
+        let exact_colours = |light: ReferenceLight<f64>| {
+            let rows = (0..81).map(|index| exact_samples.products(index));
+            Some(ReferenceColours::new(&EightSums::new(&light.spectrum(grid, &exact_locus)?, rows)))
+        };
+        let mut worst = [0.0_f64; PIECE_COUNT];
+        for (piece, worst) in worst.iter_mut().enumerate() {
+            let (kind, first, last) = PIECES[piece];
+            let polynomials = ReferencePiece::new(piece, colours).unwrap();
+            for step in 0..=500 {
+                let mired = first + (last - first) * f64::from(step) / 500.0;
+                let temperature = R::from_f64(1e6 / mired);
+                if piece_of(ReferenceLight { kind, temperature }) != Some(piece) {
+                    // The joint belongs to the piece on its other side; the daylight locus jumps by 1e-4 at 7000 K.
+                    continue;
+                }
+                let found = polynomials.at(piece, temperature).unwrap();
+                let expected = exact_colours(ReferenceLight { kind, temperature: temperature.to_f64() }).unwrap();
+                let pairs = |found: &[R], expected: &[f64]| {
+                    let errors = found.iter().zip(expected).map(|(found, expected)| (found.to_f64() - expected).abs());
+                    errors.fold(0.0, f64::max)
+                };
+                *worst = worst.max(100.0 * pairs(found.white.as_flattened(), expected.white.as_flattened()));
+                *worst = worst.max(pairs(found.lab.as_flattened(), expected.lab.as_flattened()));
+                *worst = worst.max(pairs(found.uniform.as_flattened(), expected.uniform.as_flattened()));
+            }
+        }
+        worst
+    }
+
+    #[test]
+    fn polynomials_are_as_accurate_as_stated() {
+        let worst = largest_error::<f64>();
+        assert!(worst.iter().all(|&error| error <= 1e-11), "{worst:?}");
+        let worst = largest_error::<f32>();
+        assert!(worst.iter().all(|&error| error <= 3e-4), "{worst:?}");
+    }
+
+    /// Every temperature that has a reference light has the piece that it lies in, the joints included.
+    #[test]
+    fn temperatures_find_their_piece() {
+        for step in 0..=240_000 {
+            let temperature = 1000.0 + f64::from(step) * 0.1;
+            let light = ReferenceLight::for_temperature(temperature).unwrap();
+            let (kind, first, last) = PIECES[piece_of(light).unwrap()];
+            let mired = 1e6 / temperature;
+            assert!(kind == light.kind && mired >= first - 1e-12 && mired <= last + 1e-12, "{temperature} K");
+        }
+        let piece = |t: f64| piece_of(ReferenceLight::for_temperature(t).unwrap());
+        assert_eq!(piece(1000.0_f64.next_down()), None);
+        assert_eq!((piece(5000.0_f64.next_down()), piece(5000.0)), (Some(2), Some(1)));
+        // 7000 K belongs to the colder branch of the daylight locus.
+        assert_eq!((piece(7000.0), piece(7000.0_f64.next_up())), (Some(1), Some(0)));
+    }
+}

@@ -1,4 +1,7 @@
 //! Colour temperature, R_a and CRI00 alone, as fast as they can be had.
+//!
+//! What depends on the temperature of the reference light alone is a piecewise polynomial in 1 / T; sums, cube roots and
+//! colour differences are made of the eight samples in lockstep.
 
 use super::{Chromaticity, LightError, chromaticity, unit};
 use crate::Real;
@@ -22,7 +25,11 @@ pub struct GeneralIndices<R> {
     pub cri00: Option<R>,
 }
 
-/// Colour temperature, R_a and CRI00 of one light without precomputed tables.
+/// Colour temperature, R_a and CRI00 of one light without precomputed tables: what an [`IndexMeter`] gives, to the bit.
+///
+/// The chromaticity is that of [`measure`](super::measure), to the bit. R_a and CRI00 are within 1e-10 of its in `f64` from
+/// 750 K on (measured: 3e-11); in `f32` those of the built-in lights are within 1e-3 of those in `f64`. It costs the
+/// reference light at 13 temperatures, so that [`measure`](super::measure) is no slower where everything is wanted.
 ///
 /// # Errors
 /// [`LightError`] when a sample is negative or not finite, or the light has no power in the visible range.
@@ -44,7 +51,24 @@ pub fn measure_indices<R: Real, const N: usize>(
     })
 }
 
-/// Measures colour temperature, R_a and CRI00 of many lights on one grid, and nothing else. For pictures.
+/// Measures colour temperature, R_a and CRI00 of many lights on one grid, and nothing else: for pictures.
+///
+/// Results are those of [`measure_indices`], to the bit; see there for their accuracy. 64 KB in `f64` for 81 wavelengths, half
+/// of it in `f32`. A reference light below 1000 K is not interpolated and takes about twice the time.
+///
+/// ```
+/// use spectral_core::light::IndexMeter;
+/// use spectral_core::spectrum::{Outside, RadiationConstant};
+/// use spectral_core::summation::SumGrid;
+/// use spectral_core::tables::fluorescent::FL2;
+///
+/// let grid = SumGrid::CIE_5NM;
+/// let meter = IndexMeter::<f64, 81>::new(grid, RadiationConstant::Its1990);
+/// let found = meter.measure(&grid.sample(&FL2.spectrum(Outside::Zero)))?;
+/// assert!((found.ra.ok_or("no reference")? - 64.16).abs() <= 0.01);
+/// assert!((found.cri00.ok_or("no reference")? - 65.68).abs() <= 0.01);
+/// # Ok::<(), Box<dyn core::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug)]
 pub struct IndexMeter<R, const N: usize> {
     grid: SumGrid<N>,

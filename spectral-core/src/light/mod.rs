@@ -1,10 +1,19 @@
 //! Everything there is to say of a light, in one call: chromaticity, colour temperature, colour rendering, action
 //! quantities.
 //!
-//! [`measure`] needs no memory beyond its result and forms every product as it goes: for one light, or a lamp's own
-//! microcontroller. A [`LightMeter`] precomputes the products of samples, observer and action spectra and the Planckian
-//! locus (70 KB in `f64`, half of it in `f32`): for every pixel of a picture. An [`IndexMeter`] does the
-//! same for colour temperature, R_a and CRI00 alone. All give the same bits.
+//! | what | one light | many lights on a grid |
+//! |---|---|---|
+//! | everything | [`measure`] | [`LightMeter`] (70 KB in `f64`) |
+//! | colour temperature, R_a and CRI00 alone | [`measure_indices`] | [`IndexMeter`] (64 KB in `f64`) |
+//! | R_f and R_g, with their 99 samples | [`measure_fidelity`] | [`FidelityMeter`] |
+//!
+//! The functions need no memory beyond their result and form every product as they go: for one light, or a lamp's own
+//! microcontroller. The meters precompute products of samples, observer and action spectra, the Planckian locus, and
+//! the colours under reference lights: for every pixel of a picture. Both of a row give the same bits; in `f32` meters are half
+//! as large.
+//!
+//! The indices of the second row are not the bits of those of the first one: their reference lights are interpolated and
+//! their samples are treated in lockstep. They are within 1e-10 of them in `f64`.
 //!
 //! **Grid.** A light is `N` samples on a [`SumGrid`], used as they are: sums over 380–780 nm at 5 nm for the tables of the
 //! CIE ([`SumGrid::CIE_5NM`]), as CIE 13.3 prescribes; tables at another step are best brought to 1 nm.
@@ -14,8 +23,6 @@
 //!
 //! **Constant.** Black bodies are those of c₂ = 1.4388 × 10⁻² m K ([`RadiationConstant::Its1990`]) unless another one is
 //! asked for: that is what CIE 15 and CIE 13.3 are tabulated with.
-//!
-//! R_f and R_g, whose 99 samples need more memory than all the rest, are apart: [`measure_fidelity`], [`FidelityMeter`].
 
 mod fidelity;
 mod index;
@@ -250,8 +257,8 @@ fn normalise<R: Real, const N: usize>(light: &[R; N]) -> Result<([R; N], R), Lig
 
 /// The power of two below the largest sample of a light that is fit to be measured; it and its reciprocal are normal numbers.
 fn unit<R: Real, const N: usize>(light: &[R; N]) -> Result<R, LightError> {
-    // The largest sample of every eighth, and whether all is well: without branches, so that it costs little.
-    let (mut largest, mut smallest) = ([R::ZERO; LANES], [R::ZERO; LANES]);
+    // The largest sample of every eighth, and one that is negative or NaN: without branches, so that it costs little.
+    let (mut largest, mut faulty) = ([R::ZERO; LANES], [R::ZERO; LANES]);
     let (chunks, rest) = light.as_chunks::<LANES>();
     let mut last = [R::ZERO; LANES];
     for (last, &sample) in last.iter_mut().zip(rest) {
@@ -261,11 +268,10 @@ fn unit<R: Real, const N: usize>(light: &[R; N]) -> Result<R, LightError> {
         for lane in 0..LANES {
             let sample = chunk[lane];
             largest[lane] = sample.max(largest[lane]);
-            // NaN is taken over and kept.
-            smallest[lane] = if sample >= smallest[lane] { smallest[lane] } else { sample };
+            faulty[lane] = if sample >= R::ZERO { faulty[lane] } else { sample };
         }
     }
-    let fine = largest.iter().all(|&sample| sample <= R::MAX) && smallest == [R::ZERO; LANES];
+    let fine = largest.iter().all(|&sample| sample <= R::MAX) && faulty == [R::ZERO; LANES];
     if !fine {
         return Err(first_fault(light));
     }
