@@ -7,7 +7,7 @@ use crate::adaptation::{Adaptation, VonKries};
 use crate::cct::xyz_to_uv;
 use crate::colour::{differences, xyz_to_lab};
 use crate::lanes::Lanes;
-use crate::spectrum::{Spectrum, Uniform};
+use crate::spectrum::Spectrum;
 use crate::summation::SumGrid;
 
 /// x̄, ȳ, z̄ times each of the eight reflectances, x̄, ȳ, z̄ themselves, and a zero that makes the number of sums even: at one
@@ -16,22 +16,24 @@ pub(crate) type Products<R> = [R; 28];
 
 /// The products of the first eight Munsell samples and an observer, formed where they are needed.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct EightSamples<'a, R: 'static, const N: usize> {
-    grid: SumGrid<N>,
+pub(crate) struct EightSamples<'a, R, const N: usize> {
     observer: &'a [[R; 3]; N],
-    samples: [Uniform<'static, R>; 8],
+    reflectances: [[R; 8]; N],
 }
 
 impl<'a, R: Real, const N: usize> EightSamples<'a, R, N> {
     pub(crate) fn new(grid: SumGrid<N>, observer: &'a [[R; 3]; N]) -> Self {
         let samples = munsell_samples();
-        Self { grid, observer, samples: core::array::from_fn(|sample| samples[sample]) }
+        let reflectances = core::array::from_fn(|index| {
+            let wavelength = grid.wavelength(index);
+            core::array::from_fn(|sample| samples[sample].value(wavelength))
+        });
+        Self { observer, reflectances }
     }
 
     pub(crate) fn products(&self, index: usize) -> Products<R> {
         let cmf = self.observer.get(index).copied().unwrap_or([R::ZERO; 3]);
-        let wavelength = self.grid.wavelength(index);
-        let reflectances: [R; 8] = core::array::from_fn(|sample| self.samples[sample].value(wavelength));
+        let reflectances = self.reflectances.get(index).copied().unwrap_or([R::ZERO; 8]);
         let mut products = [R::ZERO; 28];
         let (samples, white) = products.split_at_mut(24);
         for (channel, c) in samples.chunks_exact_mut(8).zip(cmf) {

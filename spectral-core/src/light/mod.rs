@@ -13,7 +13,7 @@
 //! as large.
 //!
 //! The indices of the second row are not the bits of those of the first one: their reference lights are interpolated and
-//! their samples are treated in lockstep. They are within 1e-10 of them in `f64`.
+//! their samples are treated in lockstep. They are within 1e-10 of them in `f64`; see [`measure_indices`] for exceptions.
 //!
 //! **Grid.** A light is `N` samples on a [`SumGrid`], used as they are: sums over 380–780 nm at 5 nm for the tables of the
 //! CIE ([`SumGrid::CIE_5NM`]), as CIE 13.3 prescribes; tables at another step are best brought to 1 nm.
