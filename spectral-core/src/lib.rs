@@ -67,6 +67,7 @@ pub mod dispersion;
 pub mod expression;
 mod integrate;
 pub mod interval;
+mod lanes;
 pub mod light;
 mod matrix;
 mod observer;

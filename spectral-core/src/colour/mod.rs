@@ -15,6 +15,7 @@ pub mod rgb;
 pub mod space;
 pub mod xyz;
 
+pub(crate) use delta_e::differences;
 pub use delta_e::{delta_e_00, delta_e_00_weighted, delta_e_ab};
 pub use lab::{lab_f, lab_f_inverse, lab_to_xyz, xyz_to_lab};
 pub use rgb::{
