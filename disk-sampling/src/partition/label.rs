@@ -133,7 +133,7 @@ impl Label {
         let place = (decisive & EVEN).trailing_zeros();
         if place < digits {
             let reach = u32::MAX >> (30 - place);
-            return Some(Self { path: self.path ^ (EVEN * swap & reach), ..self });
+            return Some(Self { path: self.path ^ ((EVEN * swap) & reach), ..self });
         }
         // The sector's own side: mirrored into the next or the previous sector, where corners 1 and 3 change places.
         let all = match digits {
@@ -163,6 +163,12 @@ impl Label {
         let x = signed_sum(high ^ low, before);
         let y = signed_sum(high, before);
         ([x, y], parity & 1 == 1)
+    }
+
+    /// The same part counted from its ancestor `generations` up instead of from its sector.
+    pub(crate) const fn within(self, generations: u8) -> Self {
+        let kept = self.path & ((1 << (2 * generations)) - 1);
+        Self { sector: 0, level: generations + 1, path: kept, triangular: true }
     }
 
     /// A square part's column and row in units of its own sides.

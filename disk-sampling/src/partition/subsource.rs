@@ -83,6 +83,22 @@ impl<R: Real> Subsource<R> {
         (position, self.is_hit(position))
     }
 
+    /// The sample position and weight of a cubature of degree 8 on the same hierarchy (Dunavant 1985): for parts of a full
+    /// [`Method::EqualAreaHexagon`] partition of depth 5 or more, in place of [`position`](Self::position) and [`weight`](Self::weight).
+    ///
+    /// Sixteen parts that share a grandparent are the sixteen points of the rule, one point in each of them; the weights are positive and sum
+    /// to 1 over the disk. Other parts give their centre and weight. The rule only makes sense where all sixteen are summed.
+    pub fn cubature(&self) -> ([R; 2], R) {
+        let ancestor = self.label.parent().and_then(Label::parent).filter(|ancestor| ancestor.level() > 0);
+        let (Some(ancestor), Method::EqualAreaHexagon) = (ancestor, self.method) else {
+            return (self.position, self.weight());
+        };
+        let ([x, y], share) = dunavant(self.label.within(2));
+        let third = 1.0 / 3.0;
+        let inside = triangle_point(ancestor, [x - third, y - third].map(R::from_f64));
+        (triangle_to_disk(ancestor.sector(), inside), self.weight() * R::from_f64(16.0 * share))
+    }
+
     fn is_hit(&self, [x, y]: [R; 2]) -> bool {
         match self.method {
             // By construction; only rounding could say otherwise.
@@ -90,6 +106,26 @@ impl<R: Real> Subsource<R> {
             _ => x * x + y * y <= R::ONE,
         }
     }
+}
+
+/// The point and weight of Dunavant's rule of degree 8 that lie in one of the sixteen parts of a triangle.
+///
+/// Which orbit of the rule it is follows from the quarter of each barycentric coordinate's range that the part is in.
+fn dunavant(part: Label) -> ([f64; 2], f64) {
+    let ([x, y], reversed) = part.corner();
+    let quarters = if reversed { [4 - x - y, x - 1, y - 1] } else { [3 - x - y, x, y] };
+    let largest = quarters.into_iter().fold(0, i32::max);
+    let (values, weight): ([f64; 4], f64) = match (reversed, largest) {
+        (false, 3) => ([0.050_547_228_317_031, 0.0, 0.0, 0.898_905_543_365_938], 0.032_458_497_623_198),
+        (false, 2) => {
+            ([0.008_394_777_409_958, 0.263_112_829_634_638, 0.728_492_392_955_404, 0.0], 0.027_230_314_174_435)
+        }
+        (false, _) => ([0.0, 1.0 / 3.0, 0.0, 0.0], 0.144_315_607_677_787),
+        (true, 2) => ([0.170_569_307_751_760, 0.0, 0.658_861_384_496_480, 0.0], 0.103_217_370_534_718),
+        (true, _) => ([0.081_414_823_414_554, 0.459_292_588_292_723, 0.0, 0.0], 0.095_091_634_267_285),
+    };
+    let value = |quarter: i32| usize::try_from(quarter).ok().and_then(|i| values.get(i)).copied().unwrap_or(0.0);
+    ([value(quarters[1]), value(quarters[2])], weight)
 }
 
 /// The point of a part at an offset from its centre: in sides of a rectangle, in legs of a triangle, in radii for an undivided hexagon.
