@@ -31,12 +31,13 @@ const DISK: [(&str, [f64; 3], [f64; 3]); 5] = [
     ("whole", [1.3, 0.2, 1.5], [-0.3, 0.1, -1.0]),
     ("cut", [1.3, 0.2, 1.0], [1.0, 0.1, -0.7]),
     ("cut_far", [13.0, 2.0, 30.0], [30.0, 0.5, -12.8]),
-    ("sliver_contact", [0.999, 0.0, 0.001], [0.9, 0.02, -0.01]),
+    ("contact", [0.999, 0.0, 0.001], [0.9, 0.02, -0.01]),
 ];
 
-#[divan::bench(types = [f32, f64], args = 0..5)]
-fn disk_factor<R: Real>(bencher: Bencher, case: usize) {
-    let (disk, receiver) = (disk::<R>(), receiver::<R>(DISK[case].1, DISK[case].2));
+#[divan::bench(types = [f32, f64], args = DISK.map(|case| case.0))]
+fn disk_factor<R: Real>(bencher: Bencher, name: &str) {
+    let (_, position, normal) = DISK.into_iter().find(|case| case.0 == name).unwrap();
+    let (disk, receiver) = (disk::<R>(), receiver::<R>(position, normal));
     bencher.bench_local(|| disk_configuration_factor(black_box(&disk), black_box(&receiver)));
 }
 

@@ -1,7 +1,9 @@
 //! Configuration factors against 90-digit arithmetic at receivers that are hard to compute (independent).
-#![allow(clippy::unwrap_used, reason = "the input is constant")]
+#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "the input is constant; the errors found are of interest")]
 
-use std::collections::BTreeMap;
+extern crate alloc;
+
+use alloc::collections::BTreeMap;
 use std::path::Path;
 
 use disk_sampling::{

@@ -6,7 +6,7 @@ use super::cone::{Cone, Horizon};
 use super::double_word::{DoubleWord, WideVector, wide_cross, wide_difference, wide_dot, widened};
 use super::scale::power_of_two;
 use crate::shape::{Disk, Receiver};
-use crate::vector::{Vector, dot, length};
+use crate::vector::{Vector, cross, dot, length};
 
 /// The configuration factor from a receiver to a disk, clipped at the receiver's horizon: irradiance over π times the disk's radiance,
 /// or illuminance over the disk's luminous exitance.
@@ -148,20 +148,27 @@ impl<R: Real> View<R> {
         let (wide_disk, wide_receiver) = (widened(disk), widened(receiver));
         let wide_middle = wide_dot(self.offset, wide_receiver);
         let middle = wide_middle.value();
-        let tilt = wide_cross(wide_receiver, wide_disk);
-        let reach = wide_dot(wide_disk, wide_disk) * wide_middle * wide_middle;
-        let cut = wide_dot(tilt, tilt) * self.radius * self.radius - reach;
-        let clipped = cut.value() > R::ZERO;
-        if !clipped && !(middle > R::ZERO) {
-            return R::ZERO;
+        let reach = self.radius * length(cross(receiver, disk));
+        // Only a horizon that comes close to the rim needs all the digits to tell.
+        if middle.abs() <= reach * R::from_f64(1.001) + self.radius * R::EPSILON * R::from_f64(8.0) {
+            let tilt = wide_cross(wide_receiver, wide_disk);
+            let wide_reach = wide_dot(tilt, tilt) * self.radius * self.radius;
+            let cut = wide_reach - wide_dot(wide_disk, wide_disk) * wide_middle * wide_middle;
+            if cut.value() > R::ZERO {
+                return self.cut_factor([disk, receiver], middle, tilt, cut);
+            }
         }
-        let axis = self.axis(disk);
-        let axis_length = length(axis);
-        let toward = -dot(receiver, disk);
-        let along = (self.height * middle + self.inward * toward) / axis_length;
-        if !clipped {
-            return along * self.cone.irradiance();
-        }
+        if middle > R::ZERO { self.along(disk, receiver, middle) * self.cone.irradiance() } else { R::ZERO }
+    }
+
+    /// The component of the receiver's normal along the cone's axis; `middle` is the height of the disk's centre over the horizon.
+    fn along(&self, disk: Vector<R>, receiver: Vector<R>, middle: R) -> R {
+        (self.height * middle - self.inward * dot(receiver, disk)) / length(self.axis(disk))
+    }
+
+    /// The factor where the horizon cuts the disk; `tilt` is receiver × disk, `cut` is r² sin² of the angle between both less `middle`².
+    fn cut_factor(&self, [disk, receiver]: [Vector<R>; 2], middle: R, tilt: WideVector<R>, cut: DoubleWord<R>) -> R {
+        let (wide_disk, wide_receiver) = (widened(disk), widened(receiver));
         // The receiver's normal towards the disk's axis (u), and across (v).
         let wide_foot = wide_cross(self.offset, wide_disk);
         let (foot, tilt) = (wide_foot.map(DoubleWord::value), tilt.map(DoubleWord::value));
@@ -178,7 +185,8 @@ impl<R: Real> View<R> {
             (length(tilt), R::ZERO, -cut.value())
         };
         let h2 = self.height * self.height;
-        let outward = ((h2 + self.inward) * u - self.height * rho * toward) / axis_length;
+        let outward = ((h2 + self.inward) * u + self.height * rho * dot(receiver, disk)) / length(self.axis(disk));
+        let along = self.along(disk, receiver, middle);
         let cosine = self.cone.wide[1];
         self.cone.cut(&Horizon {
             normal: [outward, v, along],
