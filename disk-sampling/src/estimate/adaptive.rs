@@ -8,6 +8,7 @@ use super::slices::Slices;
 use super::{Aim, Estimate, EstimateError, Request, Response, Status};
 use crate::configuration_factor::disk_configuration_factor;
 use crate::shape::{Disk, Receiver};
+use crate::vector::{normalized, subtract};
 
 /// A strip of the disk between two chords; callers only hand in room for some.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -86,8 +87,9 @@ fn run<R: Real>(
     if panels.len() < strata {
         return Err(EstimateError::NoPanels);
     }
+    let factor = disk_configuration_factor(disk, receiver);
     let Some(slices) = Slices::new(disk, receiver) else {
-        return Ok(Estimate { value: R::ZERO, error: R::ZERO, samples: 0, status: Status::Met });
+        return from_afar(disk, receiver, factor, exact, respond);
     };
     let tolerance = relative * R::from_f64(SLICE_SHARE);
     let max_samples = request.max_samples;
@@ -103,7 +105,6 @@ fn run<R: Real>(
         first: None,
         is_mixed: false,
     };
-    let factor = disk_configuration_factor(disk, receiver);
     let exact = exact.unwrap_or(factor);
     let mut panels = Panels { panels, count: 0, factor, source };
     panels.measure_all(strata, relative * R::from_f64(MEASURE_SHARE));
@@ -115,6 +116,28 @@ fn run<R: Real>(
     let scale = if light.full > R::ZERO { exact / light.full } else { R::ZERO };
     let samples = panels.source.samples;
     Ok(Estimate { value: exact * light.ratio(), error: error * scale, samples, status })
+}
+
+/// The estimate where slices cannot be had: nothing, or a disk so far away that its centre stands for all of it.
+fn from_afar<R: Real>(
+    disk: &Disk<R>,
+    receiver: &Receiver<R>,
+    factor: R,
+    exact: Option<R>,
+    mut respond: impl FnMut(&Aim<R>) -> Response<R>,
+) -> Result<Estimate<R>, EstimateError> {
+    if !(factor > R::ZERO) {
+        return Ok(Estimate { value: R::ZERO, error: R::ZERO, samples: 0, status: Status::Met });
+    }
+    let [_, _, cosine] = normalized(subtract(receiver.position(), disk.centre()))
+        .map_or([R::ZERO, R::ZERO, R::ONE], |direction| disk.direction(direction));
+    let response = respond(&Aim { on_disk: [R::ZERO; 2], point: disk.centre(), cosine: cosine.max(R::ZERO) });
+    response.check()?;
+    let value = match exact {
+        Some(exact) => exact * response.visibility,
+        None => factor * response.emission * response.visibility,
+    };
+    Ok(Estimate { value, error: R::ZERO, samples: 1, status: Status::Met })
 }
 
 impl<R: Real> Panel<R> {

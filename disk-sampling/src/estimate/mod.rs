@@ -46,6 +46,11 @@ impl<R: Real> Response<R> {
     pub const fn unoccluded(emission: R) -> Self {
         Self { emission, visibility: R::ONE }
     }
+
+    fn check(&self) -> Result<(), EstimateError> {
+        let is_valid = |x: R| x >= R::ZERO && x.is_finite();
+        if is_valid(self.emission) && is_valid(self.visibility) { Ok(()) } else { Err(EstimateError::Response) }
+    }
 }
 
 /// What is asked for.

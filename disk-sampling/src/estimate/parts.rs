@@ -44,10 +44,7 @@ pub fn ratio_of_parts<R: Real>(
         let kernel = part.weight() * towards * cosine * scale * scale;
         let response = respond(&Aim { on_disk, point: disk.point(on_disk), cosine });
         samples += 1;
-        let valid = |x: R| x >= R::ZERO && x.is_finite();
-        if !(valid(response.emission) && valid(response.visibility)) {
-            return Err(EstimateError::Response);
-        }
+        response.check()?;
         full += kernel * response.emission;
         lit += kernel * response.emission * response.visibility;
     }

@@ -265,7 +265,7 @@ impl<R: Real> Nested<R> {
         if spread <= R::from_f64(4.0) * R::EPSILON.sqrt() * size && last <= R::from_f64(64.0) * R::EPSILON * size {
             return R::ZERO;
         }
-        let floor = R::from_f64(if is_mixed { 0.25 } else { 0.1 });
+        let floor = R::from_f64(if is_mixed { 0.5 } else { 0.1 });
         let error = if self.level == 0 {
             let relative = (spread / size).min(R::ONE);
             reduced(last, size, floor).max(R::HALF * spread * relative.max(R::from_f64(0.4)))

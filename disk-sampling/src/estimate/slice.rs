@@ -59,8 +59,8 @@ impl<R: Real, F: FnMut(&Aim<R>) -> Response<R>> Source<'_, R, F> {
         let response = (self.respond)(&aim);
         let first = *self.first.get_or_insert(response.visibility);
         self.is_mixed |= differ(first, response.visibility);
-        let valid = |x: R| x >= R::ZERO && x.is_finite();
-        if valid(response.emission) && valid(response.visibility) { Ok(response) } else { Err(EstimateError::Response) }
+        response.check()?;
+        Ok(response)
     }
 
     fn light(&self, response: &Response<R>) -> Light<R> {

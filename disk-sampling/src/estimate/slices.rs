@@ -52,12 +52,13 @@ pub(super) struct Slice<R> {
 }
 
 impl<R: Real> Slices<R> {
-    /// The part of `disk` above the horizon of `receiver`; `None` when there is nothing: behind or in the plane of either, or so far away that
-    /// the squared distance overflows.
+    /// The part of `disk` above the horizon of `receiver`; `None` when there is nothing, behind or in the plane of either, or when the squared
+    /// distance overflows. On the disk itself, the receiver is taken to be just over it.
     pub(super) fn new(disk: &Disk<R>, receiver: &Receiver<R>) -> Option<Self> {
         let [x, y, height] = disk.local(receiver.position());
         let [nx, ny, nz] = disk.direction(receiver.normal());
-        let limit = R::MAX.sqrt().sqrt();
+        let height = if height == R::ZERO && x.hypot(y) < R::ONE { R::EPSILON * R::EPSILON } else { height };
+        let limit = R::MAX.sqrt() * R::from_f64(0.01);
         if !(height > R::ZERO && x.abs().max(y.abs()).max(height) < limit) {
             return None;
         }
