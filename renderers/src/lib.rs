@@ -11,6 +11,7 @@ pub mod light;
 pub mod luminaire;
 pub mod progress;
 pub mod radiosity;
+pub mod relight;
 pub mod render;
 pub mod report;
 pub mod scene;

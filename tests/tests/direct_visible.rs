@@ -481,3 +481,28 @@ fn round_lights_agree_with_their_closed_forms() {
     }
     assert!(cut > 500, "{cut}");
 }
+
+/// A receiver whose shading normal leans away from its surface sees nothing below that surface: by shadow rays as by closed forms.
+#[test]
+fn nothing_comes_from_below_the_surface() {
+    let light = level(2.0, [-1.0, 1.0], [-1.0, 1.0], true);
+    let strips: String = (0..400)
+        .map(|i| {
+            let x = 5.0 + 0.002 * f64::from(i);
+            level(1.0, [x, x + 0.002], [-0.3, 0.2], false)
+        })
+        .collect();
+    let far = level(1.0, [0.3, 0.8], [-0.3, 0.2], false);
+    let many = level(1.0, [0.3, 0.8], [-0.3, 0.2], false) + &strips;
+    for (nx, gx) in [(0.3, -0.2), (0.0, 0.9), (0.5, 0.0), (-0.4, 0.95)] {
+        let unit = |x: f64| DVec3::new(x, 0.0, (1.0 - x * x).sqrt());
+        for setting in [Setting::new(&(light.clone() + &far)), Setting::new(&(light.clone() + &many))] {
+            let receiver = Receiver { geometric: unit(gx), ..setting.receiver(DVec3::ZERO, unit(nx)) };
+            let triangles =
+                |p: DVec3| p.dot(unit(gx)) > 0.0 && !(0.6..=1.6).contains(&p.x) | !(-0.6..=0.4).contains(&p.y);
+            let expected = by_points(&setting.sources[0], &receiver, triangles);
+            let found = setting.see(&receiver, 1e-3);
+            assert_near(found.factor, expected, 2e-3 * expected.max(0.01) + found.error);
+        }
+    }
+}

@@ -113,7 +113,7 @@ fn one_operator_serves_all_spectra() {
     let mut palette = Palette::default();
     let settings = Settings { accuracy: 3e-2, ..Settings::default() };
     let radiosity = Radiosity::new(&scene, &settings, &mut palette, &|_| {}).unwrap();
-    let (bins, rgb) = (UniformBins::new(&palette, 81).unwrap(), Components::new(&palette).unwrap());
+    let (bins, rgb) = (UniformBins::new(&palette, 81).unwrap(), Components::naive(&palette).unwrap());
     for (basis, components) in [(&bins as &dyn Basis, [0, 15, 16, 40, 80]), (&rgb, [0, 1, 2, 0, 1])] {
         let all = radiosity.solve(basis).unwrap();
         let report = all.report();

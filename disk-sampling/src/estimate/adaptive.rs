@@ -91,13 +91,24 @@ fn run<R: Real>(
     };
     let tolerance = relative * R::from_f64(SLICE_SHARE);
     let max_samples = request.max_samples;
-    let source =
-        Source { disk, slices, respond, samples: 0, max_samples, tolerance, strata, is_ratio: exact.is_some() };
+    let source = Source {
+        disk,
+        slices,
+        respond,
+        samples: 0,
+        max_samples,
+        tolerance,
+        strata,
+        is_ratio: exact.is_some(),
+        first: None,
+        is_mixed: false,
+    };
     let factor = disk_configuration_factor(disk, receiver);
     let exact = exact.unwrap_or(factor);
     let mut panels = Panels { panels, count: 0, factor, source };
     panels.measure_all(strata, relative * R::from_f64(MEASURE_SHARE));
     panels.sample_all()?;
+    panels.look_again(strata, relative * R::from_f64(MEASURE_SHARE))?;
     let status = panels.refine(relative)?;
     let light = panels.light();
     let error = panels.error(light.ratio());
@@ -139,8 +150,8 @@ impl<R: Real> Panel<R> {
     }
 
     /// The error that more slices make smaller.
-    fn error(&self, ratio: R, mismatch: R) -> R {
-        self.half() * self.rule.error(ratio, mismatch)
+    fn error(&self, ratio: R, mismatch: R, is_mixed: bool) -> R {
+        self.half() * self.rule.error(ratio, mismatch, is_mixed)
     }
 }
 
@@ -168,7 +179,9 @@ impl<R: Real, F: FnMut(&Aim<R>) -> Response<R>> Panels<'_, '_, R, F> {
 
     fn error(&self, ratio: R) -> R {
         let mismatch = self.mismatch();
-        self.used().iter().fold(R::ZERO, |sum, panel| sum + panel.error(ratio, mismatch) + panel.noise)
+        self.used()
+            .iter()
+            .fold(R::ZERO, |sum, panel| sum + panel.error(ratio, mismatch, self.source.is_mixed) + panel.noise)
     }
 
     /// The disk's configuration factor by the panels' rules.
@@ -203,6 +216,19 @@ impl<R: Real, F: FnMut(&Aim<R>) -> Response<R>> Panels<'_, '_, R, F> {
             self.replace(index, left);
             self.push(right);
         }
+    }
+
+    /// Where the first samples see only darkness, or light and shadow, samples anew: more finely, and with an eye for edges.
+    fn look_again(&mut self, strata: usize, relative: R) -> Result<(), EstimateError> {
+        let is_dark = !(self.light().lit > R::ZERO);
+        if !(self.source.is_mixed || is_dark) || self.source.is_spent() {
+            return Ok(());
+        }
+        let strata = (strata * if is_dark { 3 } else { 1 }).min(self.panels.len());
+        self.count = 0;
+        self.source.strata = strata;
+        self.measure_all(strata, relative);
+        self.sample_all()
     }
 
     fn sample_all(&mut self) -> Result<(), EstimateError> {
@@ -268,7 +294,7 @@ impl<R: Real, F: FnMut(&Aim<R>) -> Response<R>> Panels<'_, '_, R, F> {
                 return Ok(Status::Samples);
             }
             let mismatch = self.mismatch();
-            let worst = self.largest(|panel| panel.error(ratio, mismatch));
+            let worst = self.largest(|panel| panel.error(ratio, mismatch, self.source.is_mixed));
             let Some((index, mut panel)) = worst else { return Ok(Status::Resolution) };
             if panel.rule.is_smooth(ratio) {
                 panel.rule.level += 1;

@@ -250,12 +250,13 @@ impl<R: Real> Nested<R> {
         (ll - R::TWO * ratio * lf + ratio * ratio * ff).max(R::ZERO).sqrt() * self.measure()
     }
 
-    /// How far the integral's excess over `ratio` times the full light may be off. `mismatch` is how far the measure may be off, relatively.
+    /// How far the integral's excess over `ratio` times the full light may be off. `mismatch` is how far the measure may be off, relatively; where visibility
+    /// is mixed, light is less smooth.
     ///
     /// The last change from level to level, times how fast the changes have fallen. The coarsest level has no earlier change to show for itself: there,
     /// it is also at least half the square of the relative variation. To that comes the variation of light times how far the rule is off for functions of
     /// known mean: 1, and the guides.
-    pub(super) fn error(&self, ratio: R, mismatch: R) -> R {
+    pub(super) fn error(&self, ratio: R, mismatch: R, is_mixed: bool) -> R {
         let present = self.integral();
         let size = present.lit.max(ratio * present.full);
         let spread = self.spread(ratio);
@@ -264,12 +265,13 @@ impl<R: Real> Nested<R> {
         if spread <= R::from_f64(4.0) * R::EPSILON.sqrt() * size && last <= R::from_f64(64.0) * R::EPSILON * size {
             return R::ZERO;
         }
+        let floor = R::from_f64(if is_mixed { 0.25 } else { 0.1 });
         let error = if self.level == 0 {
             let relative = (spread / size).min(R::ONE);
-            reduced(last, size).max(R::HALF * spread * relative)
+            reduced(last, size, floor).max(R::HALF * spread * relative.max(R::from_f64(0.4)))
         } else {
             let before = self.integral_before(1).excess(ratio) - self.integral_before(2).excess(ratio);
-            reduced(last, before.abs())
+            reduced(last, before.abs(), floor)
         };
         error + spread * mismatch.max(self.summary.guide_error)
     }
@@ -288,7 +290,7 @@ impl<R: Real> Nested<R> {
     }
 }
 
-/// What is left of a change after another one, not less than a tenth of it.
-fn reduced<R: Real>(last: R, before: R) -> R {
-    last * (R::TWO * last / before).clamp(R::from_f64(0.1), R::ONE)
+/// What is left of a change after another one, not less than a given share of it.
+fn reduced<R: Real>(last: R, before: R, floor: R) -> R {
+    last * (R::TWO * last / before).clamp(floor, R::ONE)
 }

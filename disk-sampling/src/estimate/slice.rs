@@ -19,6 +19,9 @@ pub(super) struct Source<'a, R, F> {
     pub(super) strata: usize,
     /// Whether light is compared with the emission instead of with 1.
     pub(super) is_ratio: bool,
+    /// The first visibility seen, and whether another one was seen since.
+    pub(super) first: Option<R>,
+    pub(super) is_mixed: bool,
 }
 
 /// The mean light of a slice, and how far its excess may be off.
@@ -43,6 +46,9 @@ const PARTS: usize = 16;
 /// Visibilities further apart than this have an edge between them.
 const EDGE: f64 = 0.1;
 
+/// How far within a part its end is looked at.
+const END: f64 = 1.0 / 256.0;
+
 impl<R: Real, F: FnMut(&Aim<R>) -> Response<R>> Source<'_, R, F> {
     /// Asks for a point of a slice.
     fn ask(&mut self, slice: &Slice<R>, fraction: R) -> Result<Response<R>, EstimateError> {
@@ -51,6 +57,8 @@ impl<R: Real, F: FnMut(&Aim<R>) -> Response<R>> Source<'_, R, F> {
         let aim = Aim { on_disk, point: self.disk.point(on_disk), cosine: slice.slant * cosine };
         self.samples += 1;
         let response = (self.respond)(&aim);
+        let first = *self.first.get_or_insert(response.visibility);
+        self.is_mixed |= differ(first, response.visibility);
         let valid = |x: R| x >= R::ZERO && x.is_finite();
         if valid(response.emission) && valid(response.visibility) { Ok(response) } else { Err(EstimateError::Response) }
     }
@@ -77,7 +85,7 @@ impl<R: Real, F: FnMut(&Aim<R>) -> Response<R>> Source<'_, R, F> {
         loop {
             let light = parts.light();
             let ratio = known.ratio.unwrap_or(light.ratio());
-            let error = parts.error(ratio);
+            let error = parts.error(ratio, self.is_mixed);
             let allowed = self.tolerance * light.lit.max(known.typical);
             if error <= allowed || self.is_spent() || !self.improve(slice, &mut parts, ratio, allowed)? {
                 return Ok(Mean { light, error });
@@ -88,7 +96,8 @@ impl<R: Real, F: FnMut(&Aim<R>) -> Response<R>> Source<'_, R, F> {
     /// Betters the worst part; false where it cannot be.
     fn improve(&mut self, slice: &Slice<R>, parts: &mut Parts<R>, ratio: R, allowed: R) -> Result<bool, EstimateError> {
         let has_room = parts.count < PARTS;
-        let Some(worst) = parts.worst(ratio) else { return Ok(false) };
+        let is_mixed = self.is_mixed;
+        let Some(worst) = parts.worst(ratio, is_mixed) else { return Ok(false) };
         if worst.edge.is_none() && worst.rule.is_smooth(ratio) {
             worst.rule.level += 1;
             self.sample(slice, worst)?;
@@ -119,26 +128,52 @@ impl<R: Real, F: FnMut(&Aim<R>) -> Response<R>> Source<'_, R, F> {
 
     /// Adds the samples of the part's level, and densities at the next one's nodes.
     fn sample(&mut self, slice: &Slice<R>, part: &mut Part<R>) -> Result<(), EstimateError> {
-        if part.rule.level < FINEST {
-            part.measure(slice, part.rule.level + 1);
-        }
-        let mut before: Option<(R, Response<R>)> = None;
+        part.measure(slice, FINEST.min(part.rule.level + 1));
+        let mut responses = [(R::ZERO, Response::default()); 3];
         for number in added(part.rule.level) {
             let fraction = part.place(number);
             let response = self.ask(slice, fraction)?;
             part.rule.set_light(number, self.light(&response));
-            if part.rule.level > 0 {
-                continue;
+            if let Some(slot) = responses.get_mut(number) {
+                *slot = (fraction, response);
             }
-            if let (Some((place, last)), None) = (before, part.edge)
-                && (last.visibility - response.visibility).abs() > R::from_f64(EDGE)
-            {
-                part.edge = Some(([place, fraction], [last, response]));
-            }
-            before = Some((fraction, response));
         }
         part.rule.summarise();
+        if part.rule.level == 0 {
+            part.edge = self.look_for_edge(slice, part, &responses)?;
+        }
         Ok(())
+    }
+
+    /// The first two neighbours among the coarsest rule's nodes with an edge of visibility between them. Where visibility is known to change somewhere on
+    /// the disk, the ends of the slice are looked at as well.
+    fn look_for_edge(
+        &mut self,
+        slice: &Slice<R>,
+        part: &Part<R>,
+        responses: &[(R, Response<R>); 3],
+    ) -> Result<Option<Edge<R>>, EstimateError> {
+        let between = |a: &(R, Response<R>), b: &(R, Response<R>)| {
+            differ(a.1.visibility, b.1.visibility).then_some(([a.0, b.0], [a.1, b.1]))
+        };
+        let [left, middle, right] = responses;
+        if let Some(edge) = between(left, middle).or_else(|| between(middle, right)) {
+            return Ok(Some(edge));
+        }
+        let margin = (part.to - part.from) * R::from_f64(END);
+        if self.is_mixed && part.from <= R::ZERO {
+            let place = part.from + margin;
+            let end = (place, self.ask(slice, place)?);
+            if let Some(edge) = between(&end, left) {
+                return Ok(Some(edge));
+            }
+        }
+        if self.is_mixed && part.to >= R::ONE {
+            let place = part.to - margin;
+            let end = (place, self.ask(slice, place)?);
+            return Ok(between(right, &end));
+        }
+        Ok(None)
     }
 
     /// The place of an edge between two points of a slice, and how much the uncertainty of the place matters.
@@ -166,6 +201,13 @@ impl<R: Real, F: FnMut(&Aim<R>) -> Response<R>> Source<'_, R, F> {
     }
 }
 
+fn differ<R: Real>(a: R, b: R) -> bool {
+    (a - b).abs() > R::from_f64(EDGE)
+}
+
+/// An edge of visibility: between which fractions of a slice, and what is there.
+type Edge<R> = ([R; 2], [Response<R>; 2]);
+
 /// A part of a slice.
 #[derive(Clone, Copy, Debug, Default)]
 struct Part<R> {
@@ -176,8 +218,7 @@ struct Part<R> {
     rule: Nested<R>,
     /// Error that stays: what is left of the places of edges.
     rest: R,
-    /// The first edge of visibility between the coarsest rule's nodes: between which fractions, and what is there.
-    edge: Option<([R; 2], [Response<R>; 2])>,
+    edge: Option<Edge<R>>,
 }
 
 impl<R: Real> Part<R> {
@@ -200,8 +241,11 @@ impl<R: Real> Part<R> {
         self.rule.integral().scaled(self.scale())
     }
 
-    fn error(&self, ratio: R) -> R {
-        self.rule.error(ratio, R::ZERO) * self.scale()
+    fn error(&self, ratio: R, is_mixed: bool) -> R {
+        let seen = self.rule.error(ratio, R::ZERO, is_mixed) * self.scale();
+        // Between an end and the outermost node lies at least a tenth of the part's measure or of its emission.
+        let [a, b] = self.edge.map_or([R::ZERO; 2], |(_, ends)| ends.map(|end| end.emission * end.visibility));
+        seen.max(self.share * R::from_f64(0.1) * (a - b).abs())
     }
 
     fn scale(&self) -> R {
@@ -229,8 +273,8 @@ impl<R: Real> Parts<R> {
         light
     }
 
-    fn error(&self, ratio: R) -> R {
-        self.used().iter().fold(R::ZERO, |sum, part| sum + part.error(ratio) + part.rest)
+    fn error(&self, ratio: R, is_mixed: bool) -> R {
+        self.used().iter().fold(R::ZERO, |sum, part| sum + part.error(ratio, is_mixed) + part.rest)
     }
 
     fn push(&mut self, part: Part<R>) {
@@ -240,11 +284,11 @@ impl<R: Real> Parts<R> {
         }
     }
 
-    fn worst(&mut self, ratio: R) -> Option<&mut Part<R>> {
+    fn worst(&mut self, ratio: R, is_mixed: bool) -> Option<&mut Part<R>> {
         let used = self.parts.get_mut(..self.count)?;
         let mut worst: Option<(&mut Part<R>, R)> = None;
         for part in used {
-            let error = part.error(ratio);
+            let error = part.error(ratio, is_mixed);
             if error > worst.as_ref().map_or(R::ZERO, |w| w.1) {
                 worst = Some((part, error));
             }

@@ -5,6 +5,7 @@
 mod compare;
 mod illuminance;
 mod light;
+mod relight;
 mod render;
 mod scene;
 mod verify;
@@ -34,6 +35,8 @@ enum Command {
     Render(render::Arguments),
     /// Compare two pictures: colour difference and relative brightness.
     Compare(compare::Arguments),
+    /// Put a high-dynamic-range picture under another light.
+    Relight(relight::Arguments),
     /// Everything there is to say of a light: colour temperature, colour rendering, action spectra.
     Light(light::Arguments),
     /// Illuminance at points of a scene.
@@ -115,6 +118,7 @@ fn dispatch(arguments: Arguments) -> Result<(Answer, ExitCode), Failure> {
         Command::Verify(verify) => return verify.run(),
         Command::Render(render) => render.run(),
         Command::Compare(compare) => compare.run(),
+        Command::Relight(relight) => relight.run(),
         Command::Light(light) => light.run(),
         Command::Illuminance(illuminance) => illuminance.run(),
         Command::Scene(scene) => scene.run(),
@@ -137,7 +141,7 @@ mod tests {
         for (arguments, expected) in [
             (
                 &[][..],
-                "'spectral' requires a subcommand but one was not provided [subcommands: render, compare, light, illuminance, scene, verify, help]",
+                "'spectral' requires a subcommand but one was not provided [subcommands: render, compare, relight, light, illuminance, scene, verify, help]",
             ),
             (
                 &["render", "--sise", "4x4"],

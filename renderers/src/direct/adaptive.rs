@@ -1,9 +1,8 @@
 //! The visible share of a light by shadow rays, to a requested accuracy: cells along the shadow's edge are divided, the heaviest first.
 
+use alloc::collections::BinaryHeap;
 use core::cmp::Ordering;
 use core::hash::{BuildHasherDefault, Hasher as _};
-#[allow(clippy::std_instead_of_alloc, reason = "this crate has no other use for alloc")]
-use std::collections::BinaryHeap;
 use std::collections::HashMap;
 
 use super::lattice::{Panel, Sight};

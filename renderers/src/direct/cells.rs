@@ -99,9 +99,9 @@ impl Cells {
         let low = self.low + DVec3::from_array(voxel.map(f64::from)) * width;
         let world = around.world;
         let from = world.shaft_end(receiver.0, receiver.1, low, low + width)?;
-        let mut found = world.shaft_blockers(&Shaft::between(&from, to), MOST_BLOCKERS[level])?;
+        let mut found = world.shaft_blockers(&Shaft::between(&from, to), MOST_BLOCKERS[level], true)?;
         found.sort_by(|a, b| world.area(*b).total_cmp(&world.area(*a)));
-        found.iter().all(|primitive| around.blockers.is_flat_sided(*primitive)).then_some(found)
+        Some(found)
     }
 }
 

@@ -84,7 +84,7 @@ pub fn visible_configuration_factor(
     }
     let from = ShaftEnd::polygon(&[receiver.position], receiver.geometric, receiver.point.primitive);
     let shaft = Shaft::between(&from, &shaft_end(source));
-    let candidates = around.world.shaft_blockers(&shaft, MOST_BLOCKERS);
+    let candidates = around.world.shaft_blockers(&shaft, MOST_BLOCKERS, false);
     let closed = candidates.and_then(|mut candidates| {
         candidates.sort_by(|a, b| around.world.area(*b).total_cmp(&around.world.area(*a)));
         among(&candidates, &seen, unblocked, around, receiver, accuracy, scratch)

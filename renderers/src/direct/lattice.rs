@@ -5,6 +5,7 @@ use disk_sampling::square_to_disk;
 use glam::DVec3;
 
 use super::source::{Flat, Receiver, Shape, Source, single};
+use super::visible::Cones;
 use crate::geometry::{SurfacePoint, World};
 
 /// The finest lattice of points on a light at which visibility is asked for: 16 × 16 cells.
@@ -112,22 +113,33 @@ impl Panel {
         let squared = way.length_squared();
         let at_receiver = way.dot(receiver.normal).max(0.0);
         let at_light = -way.dot(self.normal());
+        if way.dot(receiver.geometric) <= 0.0 {
+            return 0.0;
+        }
         if squared > 0.0 { at_receiver * at_light.max(0.0) / (squared * squared) } else { 0.0 }
     }
 
-    /// Whether the receiver sees one of its points.
-    pub(super) fn sees(&self, point: DVec3, primitive: u32, receiver: &Receiver, world: &World) -> Sight {
+    /// Whether the receiver sees one of its points, of which `is_hidden` tells if something is before it.
+    fn sees_if(&self, point: DVec3, receiver: &Receiver, is_hidden: impl FnOnce(DVec3) -> bool) -> Sight {
         let way = point - receiver.position;
-        if way.dot(receiver.normal) <= 0.0 {
-            return Sight::BelowHorizon;
+        if way.dot(receiver.normal) <= 0.0 || way.dot(receiver.geometric) <= 0.0 {
+            Sight::BelowHorizon
+        } else if is_hidden(way) {
+            Sight::Blocked
+        } else {
+            Sight::Visible
         }
-        if way.dot(receiver.geometric) <= 0.0 {
-            return Sight::Blocked;
-        }
+    }
+
+    /// Whether the receiver sees one of its points, by a shadow ray.
+    pub(super) fn sees(&self, point: DVec3, primitive: u32, receiver: &Receiver, world: &World) -> Sight {
+        self.sees_if(point, receiver, |way| self.is_hidden(point, way, primitive, receiver, world))
+    }
+
+    fn is_hidden(&self, point: DVec3, way: DVec3, primitive: u32, receiver: &Receiver, world: &World) -> bool {
         let target = match self {
             Self::Sky { .. } => {
-                let blocked = world.occluded_direction(&receiver.point, single(way));
-                return if blocked { Sight::Blocked } else { Sight::Visible };
+                return world.occluded_direction(&receiver.point, single(way));
             }
             Self::Round { sphere: Some((centre, radius)), .. } => {
                 let direction = way.normalize_or_zero();
@@ -139,18 +151,28 @@ impl Panel {
             }
             _ => SurfacePoint::new(single(point), single(self.normal())).on(primitive),
         };
-        if world.occluded(&receiver.point, &target) { Sight::Blocked } else { Sight::Visible }
+        world.occluded(&receiver.point, &target)
     }
 }
 
-/// A light as one receiver sees it by shadow rays.
+/// How it is found out whether something is before a point of a light.
+#[derive(Clone, Copy)]
+pub(super) enum Shadows<'s> {
+    /// Nothing is, for certain.
+    None,
+    /// What is in these cones is hidden.
+    Cones(&'s Cones),
+    /// By rays.
+    Rays,
+}
+
+/// A light as one receiver sees it, point by point.
 pub(super) struct Lattice<'w> {
     world: &'w World,
     receiver: &'w Receiver,
     panel: Panel,
     primitive: u32,
-    /// Whether all of the light is known to be visible.
-    clear: bool,
+    shadows: Shadows<'w>,
     known: [[Option<Sight>; LATTICE]; LATTICE],
     /// The sum of all parts' weights, and of those that are visible.
     total: f64,
@@ -159,13 +181,13 @@ pub(super) struct Lattice<'w> {
 
 impl<'w> Lattice<'w> {
     /// The lattice on a light that the receiver is before.
-    pub(super) fn new(world: &'w World, receiver: &'w Receiver, source: &Source, clear: bool) -> Self {
+    pub(super) fn new(world: &'w World, receiver: &'w Receiver, source: &Source, shadows: Shadows<'w>) -> Self {
         Self {
             world,
             receiver,
             panel: Panel::new(&source.shape, receiver.position),
             primitive: source.primitive,
-            clear,
+            shadows,
             known: [[None; LATTICE]; LATTICE],
             total: 0.0,
             visible: 0.0,
@@ -195,7 +217,7 @@ impl<'w> Lattice<'w> {
 
     /// Visibility at a lattice point, asked for once.
     fn sight(&mut self, column: usize, row: usize) -> Sight {
-        if self.clear {
+        if matches!(self.shadows, Shadows::None) {
             return Sight::Visible;
         }
         if let Some(known) = self.known[row][column] {
@@ -204,7 +226,11 @@ impl<'w> Lattice<'w> {
         let last = f64::from(1_u32 << MAX_LEVEL);
         #[allow(clippy::cast_precision_loss, reason = "at most 16")]
         let square = [column as f64 / last, row as f64 / last];
-        let seen = self.panel.sees(self.panel.point(square, INSET), self.primitive, self.receiver, self.world);
+        let (panel, point, receiver) = (&self.panel, self.panel.point(square, INSET), self.receiver);
+        let seen = match self.shadows {
+            Shadows::Cones(cones) => panel.sees_if(point, receiver, |way| cones.hide(way)),
+            _ => panel.sees(point, self.primitive, receiver, self.world),
+        };
         self.known[row][column] = Some(seen);
         seen
     }

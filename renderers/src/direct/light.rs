@@ -5,7 +5,7 @@ use core::f64::consts::PI;
 use glam::DVec3;
 
 use super::blocker::{Blockers, Outline};
-use super::lattice::Lattice;
+use super::lattice::{Lattice, Shadows};
 use super::source::{Receiver, Seen, Source, single};
 use super::visible::{Cover, Scratch, unblocked_factor, visible_factor};
 use crate::geometry::World;
@@ -158,7 +158,12 @@ fn illuminate_area<'c>(
             parts.push((point, weight * share));
         }
     };
-    let share = Lattice::new(around.world, receiver, source, cover == Cover::Clear).share(least, &mut keep);
+    let shadows = match (cover, exact) {
+        (Cover::Clear, _) => Shadows::None,
+        (Cover::Few(_), Some(_)) => Shadows::Cones(scratch.cones()),
+        _ => Shadows::Rays,
+    };
+    let share = Lattice::new(around.world, receiver, source, shadows).share(least, &mut keep);
     let irradiance = PI * exact.unwrap_or(most * share);
     if least == 0 {
         if share > 0.0 {

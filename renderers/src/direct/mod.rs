@@ -3,7 +3,7 @@
 //! Three ways, in this order:
 //! - nothing is in the way for certain (a [shaft](crate::geometry::Shaft) says so): the light's closed form;
 //! - the surfaces that may be in the way are known: each hides a convex cone, which is cut out of the light, and what is left is summed
-//!   in closed form ([`visible`]). Lights are polygons, disks and spheres; blockers are polygons;
+//!   in closed form ([`visible_configuration_factor`]). Lights are polygons, disks and spheres; blockers are polygons;
 //! - otherwise shadow rays, which estimate only the visible share of the closed form (the ratio estimator).
 //!
 //! Closed forms work in `f64` from the scene's own geometry; shadow rays in the precision of the [`World`](crate::geometry::World).

@@ -93,10 +93,11 @@ impl Pieces {
         core::mem::swap(self, next);
     }
 
-    /// Cuts out the cone on the inner side of all planes, given by their unit normals.
-    pub(super) fn subtract(&mut self, cone: &[DVec3], buffers: &mut Buffers) {
+    /// Cuts out the cone on the inner side of all planes, given by their unit normals; whether it met anything.
+    pub(super) fn subtract(&mut self, cone: &[DVec3], buffers: &mut Buffers) -> bool {
         let Buffers { next, rest, inside, heights } = buffers;
         next.clear();
+        let mut meets = false;
         for piece in self.iter() {
             let is_apart = |plane: &DVec3| piece.iter().all(|corner| plane.dot(*corner) <= TOLERANCE);
             if cone.iter().any(is_apart) {
@@ -104,6 +105,7 @@ impl Pieces {
                 continue;
             }
             let before = next.len();
+            let mut is_apart = false;
             rest.clear();
             rest.extend_from_slice(piece);
             for plane in cone {
@@ -113,6 +115,7 @@ impl Pieces {
                         // It was apart after all: it stays in one piece.
                         next.truncate(before);
                         next.push(piece);
+                        is_apart = true;
                         break;
                     }
                     Side::Both => {
@@ -123,8 +126,10 @@ impl Pieces {
                     }
                 }
             }
+            meets |= !is_apart;
         }
         core::mem::swap(self, next);
+        meets
     }
 }
 

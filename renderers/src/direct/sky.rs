@@ -7,7 +7,7 @@ use super::blocker::Target;
 use super::estimate::{Estimate, MOST_BLOCKERS, MOST_RAYS, between_outlines};
 use super::light::Surroundings;
 use super::source::Receiver;
-use super::visible::{Scratch, remaining};
+use super::visible::{Scratch, cut, left};
 
 /// The configuration factor of the part of a uniform environment that a receiver sees, to a relative accuracy: 1 in the open.
 ///
@@ -22,8 +22,8 @@ pub fn visible_sky(around: Surroundings<'_>, receiver: &Receiver, accuracy: f64,
             let (x, y) = receiver.normal.any_orthonormal_pair();
             let quarters = [[x, y], [y, -x], [-x, -y], [-y, x]].map(|[a, b]| [a, b, receiver.normal]);
             scratch.start(quarters.iter().map(<[DVec3; 3]>::as_slice));
-            let target = Target::INFINITE;
-            remaining(receiver, &target, None, around.blockers, &all, outline, scratch)
+            cut(receiver, &Target::INFINITE, around.blockers, &all, outline, scratch)?;
+            Some(left(receiver, None, scratch))
         })
     });
     closed.flatten().unwrap_or_else(|| {

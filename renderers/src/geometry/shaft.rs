@@ -195,8 +195,9 @@ impl Shaft {
         )
     }
 
-    /// The primitives in the hierarchy that may be in the way, in increasing order; `None` if there are more than `most`.
-    pub(super) fn blockers(&self, bvh: &Bvh, most: usize) -> Option<Vec<u32>> {
+    /// The primitives in the hierarchy that may be in the way, in increasing order; `None` if there are more than `most`,
+    /// or round ones and `flat` asks for none.
+    pub(super) fn blockers(&self, bvh: &Bvh, most: usize, flat: bool) -> Option<Vec<u32>> {
         let found = core::cell::RefCell::new(Vec::new());
         let overflows = bvh.any_item(
             |low, high| self.meets_boxes(low, high),
@@ -206,10 +207,12 @@ impl Shaft {
                 found.len() > 2 * most
             },
             |round, primitive| {
-                if !self.exclude.contains(&primitive) && !self.misses_round(round) {
-                    found.borrow_mut().push(primitive);
+                if self.exclude.contains(&primitive) || self.misses_round(round) {
+                    return false;
                 }
-                found.borrow().len() > 2 * most
+                let mut found = found.borrow_mut();
+                found.push(primitive);
+                flat || found.len() > 2 * most
             },
         );
         let mut found = found.into_inner();

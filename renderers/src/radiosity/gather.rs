@@ -55,7 +55,7 @@ impl<'s> Place<'s> {
     /// What may be in the way of a polygon; `None` if that is much.
     fn blockers(&self, polygon: &Polygon, primitive: u32) -> Option<Vec<u32>> {
         let shaft = Shaft::between(&self.end, &shaft_end(polygon, primitive));
-        let mut blockers = self.patches.world.shaft_blockers(&shaft, MOST_BLOCKERS)?;
+        let mut blockers = self.patches.world.shaft_blockers(&shaft, MOST_BLOCKERS, false)?;
         // Those first that may hide all of it.
         let area = |primitive: &u32| self.patches.world.area(*primitive);
         blockers.sort_by(|a, b| area(b).total_cmp(&area(a)));

@@ -98,7 +98,7 @@ impl Source {
             }
         };
         let shaft = Shaft::between(&shaft_end(polygon, node.primitive), &end);
-        match patches.world.shaft_blockers(&shaft, MOST_BLOCKERS) {
+        match patches.world.shaft_blockers(&shaft, MOST_BLOCKERS, false) {
             Some(blockers) if blockers.is_empty() => Ways::Clear,
             Some(blockers) => Ways::Few(blockers),
             None => Ways::Many,

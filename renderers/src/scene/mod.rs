@@ -41,9 +41,10 @@
 //! A spectrum property is a `<spectrum>` with `value="0.5"`, `value="400:0.1, 500:0.2"` or `filename` (see
 //! [`parse_spectrum_file`]); a `<spectrum type>` of `uniform` (`value`), `regular` (`wavelength_min`, `wavelength_max`,
 //! `values`), `irregular` (`wavelengths`, `values`), `d65` (`scale`) or `blackbody` (`temperature`, `wavelength_min`,
-//! `wavelength_max`, `scale` *ext.*); a `<ref>` to one; a `<float>`; or a grey `<rgb>`. The last two are constants for
-//! materials and multiples of D65 for lights, whose default is D65 with Y = 1. Tables are linear between their nodes and
-//! 0 outside.
+//! `wavelength_max`, `scale` *ext.*); a `<ref>` to one; a `<float>`; or an `<rgb>`. A `<float>` and a grey `<rgb>` are constants for
+//! materials and multiples of D65 for lights, whose default is D65 with Y = 1; a coloured `<rgb>`, linear Rec. 709, is the smooth
+//! spectrum that has this colour under D65, and for lights times D65 ([`spectral_core::upsampling`]). Tables are linear
+//! between their nodes and 0 outside.
 //!
 //! A photometric quantity (`<float>`, positive; the scene's length unit is the metre) gives a light's spectrum its scale:
 //! with `luminance` in cd/m², `luminous_flux` in lm, `luminous_intensity` in cd or `illuminance` in lx (on a plane across
@@ -59,7 +60,7 @@
 //! Stricter than Mitsuba: refused are NaN and infinite numbers anywhere, negative spectra, reflectances above 1, indices
 //! that do not cover 380–780 nm, wavelengths that do not increase, singular transforms, radii and image sizes that are not
 //! positive, spheres and disks under a transform that is no similarity, sheared rectangles, meshes without area, scaled
-//! cameras, scenes without a sensor, coloured `<rgb>`, textures, included files, text between elements, and properties
+//! cameras, scenes without a sensor, textures, included files, text between elements, and properties
 //! given twice.
 //!
 //! ```
@@ -86,6 +87,7 @@ mod load;
 mod obj;
 mod photometry;
 mod props;
+mod rgb;
 mod sensor;
 mod shape;
 mod source;

@@ -1,11 +1,13 @@
 //! Lights by photometric quantities: the factor that gives a spectrum the stated luminance, intensity or illuminance.
 
+use core::f64::consts::PI;
+
 use spectral_core::action::MAXIMUM_LUMINOUS_EFFICACY;
 use spectral_core::{Observer, tristimulus};
 
 use super::props::Props;
 use super::xml::Node;
-use super::{SceneError, SpectrumData, SpectrumKind};
+use super::{Emitter, Scene, SceneError, SpectrumData, SpectrumId, SpectrumKind};
 use crate::spectral::{Palette, Role, Tabulated};
 
 /// Where photometric quantities are summed, nm.
@@ -22,7 +24,7 @@ impl SpectrumKind {
     #[must_use]
     pub fn photometric(&self) -> f64 {
         let mut palette = Palette::default();
-        let light = SpectrumData { kind: self.visible_part(), label: String::new() };
+        let light = SpectrumData { kind: self.clone(), label: String::new() };
         let factor = palette.factor(&light, Role::Light);
         let Some((leaf, _)) = palette.leaves().first() else { return 0.0 };
         factor.scale * MAXIMUM_LUMINOUS_EFFICACY * luminous(leaf)
@@ -43,20 +45,37 @@ impl SpectrumKind {
             }
         }
     }
+}
 
-    /// A black body without what is far outside the visible range: it is sampled nanometre by nanometre.
-    fn visible_part(&self) -> Self {
-        match *self {
-            Self::Blackbody { temperature, scale, wavelength_min, wavelength_max } => {
-                let wavelength_min = wavelength_min.clamp(VISIBLE[0] - 1.0, VISIBLE[1]);
-                let wavelength_max = wavelength_max.clamp(VISIBLE[0], VISIBLE[1] + 1.0);
-                if wavelength_min < wavelength_max {
-                    Self::Blackbody { temperature, scale, wavelength_min, wavelength_max }
-                } else {
-                    Self::Constant(0.0)
-                }
+impl Scene {
+    /// The spectrum of the light with the largest luminous flux; `None` in a scene without lights.
+    ///
+    /// What parallel light and a uniform environment send into the scene is counted on a quarter of the area of its surfaces, the mean
+    /// shadow of a convex body (Cauchy). The constant ambient term counts only where there is nothing else.
+    #[must_use]
+    pub fn dominant_light(&self) -> Option<SpectrumId> {
+        let flux = |emitter: &Emitter| {
+            let (spectrum, factor) = self.flux_factor(emitter);
+            (spectrum, factor * self.spectrum(spectrum).kind.photometric())
+        };
+        let is_ambient = |emitter: &&Emitter| matches!(emitter, Emitter::Ambient { .. });
+        let strongest = self.emitters.iter().filter(|e| !is_ambient(e)).map(flux).max_by(|a, b| a.1.total_cmp(&b.1));
+        strongest.or_else(|| self.emitters.iter().find(is_ambient).map(flux)).map(|(spectrum, _)| spectrum)
+    }
+
+    /// The spectrum of a light, and its luminous flux for each unit of the spectrum's photometric quantity.
+    fn flux_factor(&self, emitter: &Emitter) -> (SpectrumId, f64) {
+        let shadow = || self.shapes.iter().map(|shape| shape.geometry.area()).sum::<f64>() / 4.0;
+        match emitter {
+            Emitter::Area { shape, radiance } => {
+                let area = self.shapes.get(shape.0).map_or(0.0, |shape| shape.geometry.area());
+                (*radiance, PI * area)
             }
-            _ => self.clone(),
+            Emitter::Point { intensity, .. } => (*intensity, 4.0 * PI),
+            Emitter::Luminaire { luminaire, spectrum, .. } => (*spectrum, luminaire.intensity().flux()),
+            Emitter::Directional { irradiance, .. } => (*irradiance, shadow()),
+            Emitter::Constant { radiance, .. } => (*radiance, 4.0 * PI * shadow()),
+            Emitter::Ambient { radiance } => (*radiance, PI),
         }
     }
 }

@@ -125,7 +125,7 @@ impl<'a> Spectra<'a> {
                 node.no_children()?;
                 Ok(bare_number(parse_float(node, node.require("value")?)?, role))
             }
-            "rgb" => grey(node, role),
+            "rgb" => super::rgb::parse(node, role),
             "ref" => {
                 let target = self.ids.resolve(node)?;
                 if target.tag() != "spectrum" {
@@ -303,21 +303,8 @@ fn blackbody(props: &mut Props<'_>) -> Result<SpectrumKind, SceneError> {
     Ok(SpectrumKind::Blackbody { temperature, scale, wavelength_min, wavelength_max })
 }
 
-fn bare_number(value: f64, role: Role) -> SpectrumKind {
+pub(crate) fn bare_number(value: f64, role: Role) -> SpectrumKind {
     if role == Role::Emission { SpectrumKind::D65 { scale: value } } else { SpectrumKind::Constant(value) }
-}
-
-/// `<rgb>`: only greys, which mean the same spectrum to everyone.
-fn grey(node: Node<'_>, role: Role) -> Result<SpectrumKind, SceneError> {
-    node.allow_attributes(&["name", "value"])?;
-    node.no_children()?;
-    let values = parse_list(node, node.require("value")?)?;
-    match values.as_slice() {
-        &[value] => Ok(bare_number(value, role)),
-        &[r, g, b] if r == g && g == b => Ok(bare_number(r, role)),
-        &[_, _, _] => Err(node.error("coloured <rgb> is not supported: give a <spectrum>")),
-        other => Err(node.error(format!("<rgb> holds one or three numbers, not {}", other.len()))),
-    }
 }
 
 /// Refuses values (all finite by now) that can't be what the role says.

@@ -20,7 +20,7 @@ use spectral_core::schlick::{Schlick, schlick_fresnel};
 
 use crate::direct::{Blockers, Cells, Cover, KnownCells, Light, Part, Receiver, Scratch, Surroundings, single};
 use crate::geometry::{Camera, Hit, Ray, World};
-use crate::spectral::{Deferred, Factor, Monomial, Monomials, Radiance, Tracer};
+use crate::spectral::{Deferred, Factor, FactorOrder, Monomial, Monomials, Radiance, Tracer};
 use material::{Dielectric, Material, dielectric_fresnel, mirror_factors};
 
 /// Paths that count for less are not followed.
@@ -90,6 +90,7 @@ impl Whitted {
 pub struct Worker<'s> {
     scene: &'s Whitted,
     monomials: Monomials,
+    order: FactorOrder,
     deferred: Vec<Interface>,
     known: KnownCells,
     scratch: Scratch,
@@ -122,10 +123,11 @@ struct Path {
 
 impl<'s> Worker<'s> {
     /// A worker without anything in its caches.
-    pub fn new(scene: &'s Whitted) -> Self {
+    pub fn new(scene: &'s Whitted, order: FactorOrder) -> Self {
         Self {
             scene,
-            monomials: Monomials::default(),
+            monomials: Monomials::new(order),
+            order,
             deferred: Vec::new(),
             known: KnownCells::default(),
             scratch: Scratch::default(),
@@ -140,7 +142,7 @@ impl<'s> Worker<'s> {
 
     /// Forgets all products: numbers of monomials that were given out before mean nothing any more.
     pub fn forget(&mut self) {
-        self.monomials = Monomials::default();
+        self.monomials = Monomials::new(self.order);
         self.deferred.clear();
     }
 
