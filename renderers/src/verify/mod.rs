@@ -17,6 +17,24 @@
 //! Calculations in Global Illumination Models, Innsbruck 2010. No reference calls what it judges: the closed forms are
 //! written anew for them. [`solve`] computes a case with this project; [`export`] writes the cases for other programs and
 //! [`Answers`] reads what these answer. What is skipped never passes.
+//!
+//! # What this project and others answer
+//! Largest error and time per point (of two shared cores; ratios are what counts), by `tests/peers/verify_radiance.py` and
+//! `verify_mitsuba.py`; Radiance 6.0a with `-ds 0.02 -dj 0` for direct light, `-ab 1 -aa 0 -ad 100000` for one reflection and `-aa 0
+//! -ad 8 -lw 1e-3 -lr -400` for all; Mitsuba 3.9.1 `scalar_rgb` with 4096 samples.
+//!
+//! | case | here | Radiance | Mitsuba |
+//! |---|---|---|---|
+//! | `disk-light.table-2.1` | 0 %, 2 µs | −0.12 %, 58 µs | −0.00 %, 2 ms |
+//! | `disk-light.table-2.2` | 0 %, 2 µs | −6.4 %, 55 µs | −0.5 %, 22 ms |
+//! | `disk-light.receivers`, 1 m off, tilted 60° away | 0 %, 2 µs | +8.9 %, 55 µs | −0.1 %, 6 ms |
+//! | the same, 5 cm from the disk | 0 %, 2 µs | −82 %, 55 µs | −0.3 %, 6 ms |
+//! | `area.penumbra` | 0 %, 2 µs | +26 %, 65 µs | −1.4 %, 6 ms |
+//! | `cie-171.5.7` (one reflection) | 0 %, 50 µs | +0.25 %, 0.11 s | +12 %, 9 ms |
+//! | `cie-171.5.7-shining` (S2 as a light) | 0 %, 2 µs | +12 %, 70 µs | −5.5 %, 7 ms |
+//! | `cie-171.5.8`, ρ = 0.5 / 0.8 / 0.95, 400 points | 0.01 %, 0.4 / 0.5 / 0.3 s | −0.3 / −0.3 / −0.2 %, 0.3 / 0.8 / 2.9 s | |
+//!
+//! 0 % stands for the rounding of `f64`, 10⁻¹¹ % at most.
 
 mod case;
 mod closed;

@@ -19,8 +19,8 @@ use crate::spectral::Palette;
 
 /// Relative error asked of direct light, half of the least that the cases allow.
 const DIRECT_ACCURACY: f64 = 2.5e-4;
-/// Relative error asked of reflected light.
-const INDIRECT_ACCURACY: f64 = 2.5e-4;
+/// Relative error asked of reflected light: what the cases of closed rooms allow.
+const INDIRECT_ACCURACY: f64 = 1e-3;
 
 /// Answers to a case, one for each point, or why there are none.
 ///
