@@ -3,7 +3,8 @@
 //! - [`partition`]: subdivision of a disk into subsources by four methods, uniform or by size over distance.
 //! - Continuous maps with densities and inverses: [`square_to_disk`] and its relatives.
 //! - [`estimate`]: illuminance with any emission and visibility, by few samples, to a requested relative error.
-//! - Configuration factors in closed form: [`disk_configuration_factor`], [`sphere_configuration_factor`], [`polygon_configuration_factor`].
+//! - Configuration factors of disks, spheres, rectangles and polygons, clipped at the horizon: [`disk_configuration_factor`] and its
+//!   relatives.
 #![no_std]
 
 mod configuration_factor;
@@ -14,7 +15,9 @@ mod shape;
 mod vector;
 
 pub use configuration_factor::{
-    disk_configuration_factor, disk_irradiance_vector, polygon_configuration_factor, sphere_configuration_factor,
+    disk_configuration_factor, disk_irradiance_vector, disk_parallel_factor, disk_perpendicular_factor,
+    on_axis_disk_factor, polygon_configuration_factor, polygon_irradiance_vector, rectangle_parallel_factor,
+    rectangle_perpendicular_factor, sphere_configuration_factor,
 };
 pub use map::{
     disk_to_hexagon, disk_to_square, disk_to_square_elliptical, disk_to_square_polar, hexagon_to_disk,

@@ -1,15 +1,17 @@
 //! What the fuzz targets do with any bytes: each function returns unless it found a fault, and then it panics.
 //!
 //! - `cargo test --manifest-path fuzz/Cargo.toml` replays the seeds and thousands of their mutations, on any compiler.
-//! - `cargo +nightly fuzz run scene_xml fuzz/corpus/scene_xml fuzz/seeds/scene_xml` looks for new ones, likewise `spectrum_file` and
-//!   `expression`.
+//! - `cargo +nightly fuzz run scene_xml fuzz/corpus/scene_xml fuzz/seeds/scene_xml` looks for new ones, likewise `spectrum_file`,
+//!   `ies_file`, `ldt_file` and `expression`.
 //! - `cargo run --manifest-path fuzz/Cargo.toml --bin scene_xml FILE…` runs a target on files, such as the fuzzer's finds.
 
 mod expression;
+mod photometry;
 mod scene;
 mod spectrum;
 
 pub use expression::expression;
+pub use photometry::{ies_file, ldt_file};
 pub use scene::scene_xml;
 pub use spectrum::spectrum_file;
 

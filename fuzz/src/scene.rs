@@ -6,7 +6,7 @@ use renderers::render::{Options, Spectra, render};
 use renderers::scene::{Geometry, Scene, Source, SpectrumKind, builtin, load};
 use renderers::spectral::IntervalSettings;
 
-/// Between the scene and the two files that it may name, `fuzz.spd` and `fuzz.obj`.
+/// Between the scene and the three files that it may name, `fuzz.spd`, `fuzz.obj` and `fuzz.ies`.
 const SEPARATOR: u8 = 0;
 /// Scenes larger than this are read but not rendered, for the sake of speed.
 const MOST_SHAPES: usize = 64;
@@ -14,13 +14,13 @@ const MOST_SPECTRA: usize = 16;
 
 /// Reads the bytes as a scene, with the files of the built-in ones beside it, and renders one pixel of what is accepted.
 pub fn scene_xml(bytes: &[u8]) {
-    let mut parts = bytes.splitn(3, |byte| *byte == SEPARATOR).map(String::from_utf8_lossy);
+    let mut parts = bytes.splitn(4, |byte| *byte == SEPARATOR).map(String::from_utf8_lossy);
     let xml = parts.next().unwrap_or_default();
     let mut source = Source::text("fuzz.xml", xml);
     for (name, text) in assets() {
         source = source.with_asset(name, text);
     }
-    for (name, text) in ["fuzz.spd", "fuzz.obj"].into_iter().zip(parts) {
+    for (name, text) in ["fuzz.spd", "fuzz.obj", "fuzz.ies"].into_iter().zip(parts) {
         source = source.with_asset(name, text);
     }
     match load(&source, &[]) {

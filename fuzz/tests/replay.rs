@@ -116,6 +116,16 @@ fn spectrum_file() {
 }
 
 #[test]
+fn ies_file() {
+    replay(spectral_fuzz::ies_file, &seeds("ies_file"), 50_000, 5);
+}
+
+#[test]
+fn ldt_file() {
+    replay(spectral_fuzz::ldt_file, &seeds("ldt_file"), 50_000, 6);
+}
+
+#[test]
 fn expression() {
     let mut inputs = seeds("expression");
     // Any bytes are an expression.

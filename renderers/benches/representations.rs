@@ -17,6 +17,9 @@ fn main() -> Result<(), Box<dyn core::error::Error>> {
     let interval = |threshold| Spectra::Interval(IntervalSettings { threshold, ..IntervalSettings::default() });
     let ways = [
         ("rgb", Spectra::Rgb),
+        ("rgb-prefiltered", Spectra::RgbPrefiltered),
+        ("bilinear", Spectra::Bilinear),
+        ("smits", Spectra::Smits),
         ("interval, threshold 1", interval(1.0)),
         ("interval, threshold 3", interval(3.0)),
         ("uniform:81", Spectra::Uniform(81)),
@@ -38,7 +41,7 @@ fn main() -> Result<(), Box<dyn core::error::Error>> {
             (*name).to_owned(),
             format!("{time:.4}"),
             format!("{:.3}", time / medians[0]),
-            format!("{:.3}", time / medians[3]),
+            format!("{:.3}", time / medians[6]),
             format!("{:.0}", (time - medians[0]) / pixels * 1e9),
         ]);
     }

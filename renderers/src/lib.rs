@@ -1,12 +1,20 @@
 //! Reference renderers on `spectral-core`, with scenes, images and reports: what the `spectral` command is made of.
 
+extern crate alloc;
+
 pub mod compare;
+pub mod direct;
 pub mod geometry;
+pub mod illuminance;
 pub mod image;
 pub mod light;
+pub mod luminaire;
 pub mod progress;
+pub mod radiosity;
+pub mod relight;
 pub mod render;
 pub mod report;
 pub mod scene;
 pub mod spectral;
+pub mod verify;
 pub mod whitted;

@@ -4,6 +4,7 @@ use core::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::Mutex;
 use std::time::Instant;
 
+use spectral_core::bilinear::Tensor;
 use spectral_core::colour::rgb;
 
 use crate::geometry::Filter;
@@ -11,8 +12,8 @@ use crate::geometry::sampling::SobolSequence;
 use crate::image::{ImageError, MAX_PIXELS, Picture, Raster, ScalarMap};
 use crate::scene::{self, Scene};
 use crate::spectral::{
-    Colour, Components, IntervalMemory, IntervalSettings, Intervals, Palette, Radiance, Resolver, SharedIntervals,
-    Tracer, Uniform, UniformBins,
+    Colour, ComponentResolver, Components, FactorOrder, IntervalMemory, IntervalSettings, Intervals, Palette, Radiance,
+    Resolver, Role, SharedIntervals, Tracer, Uniform, UniformBins,
 };
 use crate::whitted::{RenderError, Whitted, Worker};
 
@@ -31,6 +32,22 @@ pub enum Spectra {
     Uniform(usize),
     /// The naive product of three components.
     Rgb,
+    /// The product of three components, those of materials filtered for the light that is the strongest in the scene.
+    RgbPrefiltered,
+    /// The bilinear product of three components.
+    Bilinear,
+    /// Spectra of ten bins, made of three components.
+    Smits,
+}
+
+impl Spectra {
+    /// Whether products of spectra may be reordered.
+    const fn factor_order(&self) -> FactorOrder {
+        match self {
+            Self::Bilinear => FactorOrder::Kept,
+            Self::Interval(_) | Self::Uniform(_) | Self::Rgb | Self::RgbPrefiltered | Self::Smits => FactorOrder::Free,
+        }
+    }
 }
 
 impl core::fmt::Display for Spectra {
@@ -39,6 +56,9 @@ impl core::fmt::Display for Spectra {
             Self::Interval(_) => write!(f, "interval"),
             Self::Uniform(count) => write!(f, "uniform:{count}"),
             Self::Rgb => write!(f, "rgb"),
+            Self::RgbPrefiltered => write!(f, "rgb-prefiltered"),
+            Self::Bilinear => write!(f, "bilinear"),
+            Self::Smits => write!(f, "smits"),
         }
     }
 }
@@ -94,6 +114,7 @@ pub fn render(scene: &Scene, options: &Options, progress: &(dyn Fn(usize) + Sync
         seed: options.seed.unwrap_or(scene.sampler.seed),
         filter: filter(scene.film.filter)?,
         scene: &whitted,
+        order: options.spectra.factor_order(),
         progress,
     };
     let (pixels, prepared) = match options.spectra {
@@ -107,11 +128,37 @@ pub fn render(scene: &Scene, options: &Options, progress: &(dyn Fn(usize) + Sync
             (frame.trace(start, || Uniform::new(&bins)), false)
         }
         Spectra::Rgb => {
-            let components = Components::new(&palette).map_err(RenderError::new)?;
-            (frame.trace(start, || &components), false)
+            let components = Components::naive(&palette).map_err(RenderError::new)?;
+            (frame.trace(start, || ComponentResolver::new(&components)), false)
+        }
+        Spectra::RgbPrefiltered => {
+            let components = prefiltered(scene, &palette)?;
+            (frame.trace(start, || ComponentResolver::new(&components)), false)
+        }
+        Spectra::Bilinear => {
+            let components = Components::bilinear(&palette, &Tensor::rec_709()).map_err(RenderError::new)?;
+            (frame.trace(start, || ComponentResolver::new(&components)), false)
+        }
+        Spectra::Smits => {
+            let bins = UniformBins::smits(&palette).map_err(RenderError::new)?;
+            (frame.trace(start, || Uniform::new(&bins)), false)
         }
     };
     pixels.into_rendering(frame.size, prepared).map_err(|e| RenderError::new(e.to_string()))
+}
+
+/// Components filtered for the light with the largest luminous flux.
+fn prefiltered(scene: &Scene, palette: &Palette) -> Result<Components, RenderError> {
+    let Some(spectrum) = scene.dominant_light() else {
+        return Err(RenderError::new("rgb-prefiltered needs a light, and the scene has none"));
+    };
+    let spectrum = scene.spectrum(spectrum);
+    let mut own = Palette::default();
+    own.factor(spectrum, Role::Light);
+    let light = own.leaves().first().map(|(light, _)| light.clone());
+    let light = light.ok_or_else(|| RenderError::new("the dominant light has no spectrum"))?;
+    Components::prefiltered(palette, &light)
+        .map_err(|e| RenderError::new(format!("rgb-prefiltered, {}: {e}", spectrum.label)))
 }
 
 /// Refuses pictures that could not be kept, before time is spent on them.
@@ -139,6 +186,7 @@ struct Frame<'s> {
     seed: u64,
     filter: Filter,
     scene: &'s Whitted,
+    order: FactorOrder,
     progress: &'s (dyn Fn(usize) + Sync),
 }
 
@@ -161,7 +209,7 @@ impl Frame<'_> {
         let next = AtomicUsize::new(0);
         let shared = Mutex::new((vec![Colour::default(); width * height], 0_u64));
         rayon::broadcast(|_| {
-            let mut worker = Worker::new(self.scene);
+            let mut worker = Worker::new(self.scene, self.order);
             let mut resolver = new_resolver();
             let mut colours = Vec::with_capacity(TILE * TILE);
             loop {

@@ -6,6 +6,7 @@
 
 use crate::Real;
 use crate::colour::rgb::{invert, transform};
+use crate::lanes::Lanes;
 
 /// XYZ to the sharpened cone responses of Lam and Rigg (Bradford).
 pub const BRADFORD: [[f64; 3]; 3] = [[0.8951, 0.2664, -0.1614], [-0.7502, 1.7135, 0.0367], [0.0389, -0.0685, 1.0296]];
@@ -51,6 +52,11 @@ impl<R: Real> Adaptation<R> {
         Self { matrix }
     }
 
+    /// The rows of the matrix.
+    pub(crate) const fn matrix(&self) -> &[[R; 3]; 3] {
+        &self.matrix
+    }
+
     /// The corresponding colour of XYZ.
     #[inline]
     #[must_use]
@@ -73,6 +79,48 @@ pub fn von_kries_uv<R: Real>(sample: [R; 2], test: [R; 2], reference: [R; 2]) ->
     let denominator = R::from_f64(16.518) + R::from_f64(1.481) * c - d;
     let u = R::from_f64(10.872) + R::from_f64(0.404) * c - R::from_f64(4.0) * d;
     [u / denominator, R::from_f64(5.520) / denominator]
+}
+
+/// [`von_kries_uv`] between two whites, of tristimulus values instead of chromaticities.
+///
+/// In XYZ c is 2 Z / Y and d is (−0.92 X + 2.718 Y + 0.202 Z) / Y, without the differences of nearly equal numbers that the
+/// same in (u, v) has for lights without blue. When the test light has no Z at all, neither have samples, and c′ is c of the
+/// reference, so that the white still becomes the reference's.
+pub(crate) struct VonKries<R> {
+    /// What c′ Y is of Z and of Y.
+    c: [R; 2],
+    /// What d′ Y is of d Y.
+    d: R,
+}
+
+impl<R: Real> VonKries<R> {
+    #[inline]
+    pub(crate) fn new(test: [R; 3], reference: [R; 3]) -> Self {
+        let c = R::TWO * reference[2] / reference[1];
+        let c = if test[2] == R::ZERO { [R::ZERO, c] } else { [c * test[1] / test[2], R::ZERO] };
+        let [from, to] = [test, reference].map(|white| blue_less_red(white.map(|c| Lanes([c]))).0[0]);
+        Self { c, d: to / reference[1] * (test[1] / from) }
+    }
+
+    /// (u′, v′); NaN for black.
+    #[inline(always)]
+    pub(crate) fn apply<const W: usize>(&self, xyz: [Lanes<R, W>; 3]) -> [Lanes<R, W>; 2] {
+        let constant = Lanes::<R, W>::constant;
+        let [_, y, z] = xyz;
+        let c = Lanes::all(self.c[0]) * z + Lanes::all(self.c[1]) * y;
+        let d = Lanes::all(self.d) * blue_less_red(xyz);
+        let inverse = constant(1.0) / (constant(16.518) * y + constant(1.481) * c - d);
+        let u = (constant(10.872) * y + constant(0.404) * c - constant(4.0) * d) * inverse;
+        [u, constant(5.520) * y * inverse]
+    }
+}
+
+/// d Y.
+#[inline(always)]
+#[allow(clippy::approx_constant, reason = "2.718 is 16.308 / 6, exactly")]
+fn blue_less_red<R: Real, const W: usize>([x, y, z]: [Lanes<R, W>; 3]) -> Lanes<R, W> {
+    let constant = Lanes::<R, W>::constant;
+    constant(2.718) * y + constant(0.202) * z - constant(0.92) * x
 }
 
 fn cone_ratios<R: Real>([u, v]: [R; 2]) -> [R; 2] {
@@ -203,6 +251,24 @@ mod tests {
         assert_close(transform.apply(xyz), xyz, 1e-14);
         let uv = von_kries_uv([0.2, 0.31], [0.25, 0.34], [0.25, 0.34]);
         assert!((uv[0] - 0.2_f64).abs() <= 3e-5 && (uv[1] - 0.31_f64).abs() <= 3e-5, "{uv:?}");
+    }
+
+    #[test]
+    fn von_kries_of_tristimulus_values_is_that_of_chromaticities() {
+        let uv = |[x, y, z]: [f64; 3]| [4.0 * x, 6.0 * y].map(|c| c / (x + 15.0 * y + 3.0 * z));
+        for xyz in [[0.3, 0.2, 0.1], [0.1, 0.2, 0.3], [0.9, 0.8, 0.02], [0.4, 0.3, 0.0]] {
+            let expected = von_kries_uv(uv(xyz), uv(WHITE_A), uv(WHITE_D65));
+            let [u, v] = VonKries::new(WHITE_A, WHITE_D65).apply(xyz.map(|c| Lanes([c]))).map(|c| c.0[0]);
+            assert!((u - expected[0]).abs() <= 1e-15 && (v - expected[1]).abs() <= 1e-15, "{u} {v}, {expected:?}");
+        }
+    }
+
+    #[test]
+    fn a_light_without_blue_is_adapted_to_the_reference() {
+        let red = [1.2, 1.0, 0.0];
+        let [u, v] = VonKries::new(red, WHITE_D65).apply(red.map(|c| Lanes([c]))).map(|c| c.0[0]);
+        let expected = VonKries::new(WHITE_D65, WHITE_D65).apply(WHITE_D65.map(|c| Lanes([c]))).map(|c| c.0[0]);
+        assert!((u - expected[0]).abs() <= 1e-15 && (v - expected[1]).abs() <= 1e-15, "{u} {v}, {expected:?}");
     }
 
     /// `published`: the matrix of the Bradford transform from A to D65 to seven digits, B. Lindbloom's "Chromatic

@@ -13,6 +13,9 @@
 //! | share the work among colours that differ in scale, or do without cube roots | [`subdivision`], [`threshold_table`] |
 //! | have colours and their differences | [`colour`], [`bound`] |
 //! | bend and reflect light | [`dispersion`], [`schlick`] |
+//! | multiply and divide three-component colours with less loss | [`bilinear`] |
+//! | have a spectrum for three components | [`upsampling`] |
+//! | filter materials for a dominant light | [`prefilter`] |
 //!
 //! # Example
 //! The colour of a green paint under D65 within ΔE\*ab 3, certainly (Iehl and Péroche's example, figure 5):
@@ -55,6 +58,7 @@ extern crate std;
 pub mod action;
 pub mod adaptation;
 pub mod adaptive;
+pub mod bilinear;
 pub mod bound;
 pub mod cct;
 pub mod colour;
@@ -63,8 +67,11 @@ pub mod dispersion;
 pub mod expression;
 mod integrate;
 pub mod interval;
+mod lanes;
 pub mod light;
+mod matrix;
 mod observer;
+pub mod prefilter;
 mod real;
 pub mod schlick;
 pub mod spectrum;
@@ -72,6 +79,7 @@ pub mod subdivision;
 pub mod summation;
 pub mod tables;
 pub mod threshold_table;
+pub mod upsampling;
 
 pub use integrate::tristimulus;
 pub use observer::{Observer, ObserverError};

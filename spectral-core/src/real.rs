@@ -100,6 +100,13 @@ pub trait Real:
     /// `√(self² + other²)` without undue overflow or underflow.
     fn hypot(self, other: Self) -> Self;
 
+    /// The largest power of two not above a positive normal number; 0 for 0 and positive subnormal numbers.
+    #[doc(hidden)]
+    fn binade(self) -> Self;
+    /// `self` to the power of −⅓ within 4 %, for a positive normal number: read off its bits. Some number otherwise.
+    #[doc(hidden)]
+    fn reciprocal_cbrt_estimate(self) -> Self;
+
     /// Whether the number is neither infinite nor NaN.
     fn is_finite(self) -> bool;
     /// Whether this is not a number.
@@ -123,7 +130,7 @@ pub trait Real:
 }
 
 macro_rules! implement {
-    ($float:ty, $samples:ident, $floor:path, $sqrt:path, $cbrt:path, $exp:path, $expm1:path, $log:path, $pow:path,
+    ($float:ty, $exponent:literal, $estimate:expr, $samples:ident, $floor:path, $sqrt:path, $cbrt:path, $exp:path, $expm1:path, $log:path, $pow:path,
      $sin:path, $cos:path, $tan:path, $asin:path, $acos:path, $atan:path, $atan2:path, $hypot:path) => {
         impl Real for $float {
             const ZERO: Self = 0.0;
@@ -226,6 +233,14 @@ macro_rules! implement {
                 $hypot(self, other)
             }
             #[inline]
+            fn binade(self) -> Self {
+                Self::from_bits(self.to_bits() & $exponent)
+            }
+            #[inline]
+            fn reciprocal_cbrt_estimate(self) -> Self {
+                Self::from_bits($estimate(self.to_bits()))
+            }
+            #[inline]
             fn is_finite(self) -> bool {
                 <$float>::is_finite(self)
             }
@@ -237,8 +252,23 @@ macro_rules! implement {
     };
 }
 
+/// A number's exponent and the leading bits of its mantissa, read as one integer, are nearly a logarithm: a third of it is
+/// the cube root's. The constant is that of the reciprocal, four thirds of the exponent of 1, less what makes the largest
+/// errors to both sides equal.
+fn single_estimate(bits: u32) -> u32 {
+    0x54a1_f000_u32.wrapping_sub(bits / 3)
+}
+
+/// As [`single_estimate`], of the upper half of the bits; a product instead of the quotient suits vector instructions.
+fn double_estimate(bits: u64) -> u64 {
+    let third = ((bits >> 32) * 0x5555_5556) >> 32;
+    0x553e_e800_u64.wrapping_sub(third) << 32
+}
+
 implement!(
     f32,
+    0x7f80_0000,
+    single_estimate,
     single,
     libm::floorf,
     libm::sqrtf,
@@ -258,6 +288,8 @@ implement!(
 );
 implement!(
     f64,
+    0x7ff0_0000_0000_0000,
+    double_estimate,
     double,
     libm::floor,
     libm::sqrt,

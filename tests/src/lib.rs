@@ -6,5 +6,6 @@ pub mod certify;
 pub mod dense;
 pub mod generators;
 pub mod program;
+pub mod quadrature;
 pub mod statistics;
 pub mod tables;

@@ -9,7 +9,9 @@
 use proptest::prelude::*;
 use proptest::test_runner::{Config, RngSeed};
 use spectral_core::colour_rendering::{Cri00, Rendering, cie_13_3, cri00, munsell_samples};
-use spectral_core::light::{FidelityMeter, IndexMeter, LightMeasures, LightMeter, measure, measure_fidelity};
+use spectral_core::light::{
+    FidelityMeter, IndexMeter, LightMeasures, LightMeter, measure, measure_fidelity, measure_indices,
+};
 use spectral_core::spectrum::RadiationConstant;
 use spectral_core::summation::{DirectColours, Illuminated, PreparedColours, SumGrid, TestColours};
 use spectral_core::tables::observers::CIE_1931_2;
@@ -65,15 +67,32 @@ proptest! {
         let (chromaticity, indices) = meter.munsell(&light).unwrap();
         prop_assert_eq!(bits(&chromaticity), bits(&single.chromaticity));
         prop_assert_eq!(bits(&indices), bits(&single.rendering.map(|r| [r.ra, r.cri00_munsell])));
-        let general = IndexMeter::new(GRID, CONSTANT).measure(&light).unwrap();
-        prop_assert_eq!(bits(&general.chromaticity), bits(&single.chromaticity));
-        prop_assert_eq!(general.ra, single.rendering.map(|r| r.ra.general));
-        prop_assert_eq!(general.cri00, single.rendering.map(|r| r.cri00_munsell.general));
 
         let narrow = in_single(&light);
         let meter = Box::new(LightMeter::new(GRID, CONSTANT));
         let single = measure(GRID, &narrow, CONSTANT).unwrap();
         prop_assert_eq!(bits(&meter.measure(&narrow).unwrap()), bits(&single));
+    }
+
+    /// The general indices alone: both forms to the bit, and R_a and CRI00 of `measure`, which has them without
+    /// interpolation, to rounding of its and of these.
+    #[test]
+    fn general_indices_are_those_of_a_whole_measurement(light in any_light(), level in -30..=30_i32) {
+        let light = light.map(|power| power * 10.0_f64.powi(level));
+        let found = IndexMeter::new(GRID, CONSTANT).measure(&light).unwrap();
+        prop_assert_eq!(bits(&found), bits(&measure_indices(GRID, &light, CONSTANT).unwrap()));
+        let whole = measure(GRID, &light, CONSTANT).unwrap();
+        prop_assert_eq!(bits(&found.chromaticity), bits(&whole.chromaticity));
+        prop_assert_eq!(found.ra.is_some(), whole.rendering.is_some());
+        if let (Some(whole), Some(ra), Some(cri00)) = (&whole.rendering, found.ra, found.cri00) {
+            prop_assert!((ra - whole.ra.general).abs() <= 1e-9, "R_a {ra}, {}", whole.ra.general);
+            let expected = whole.cri00_munsell.general;
+            prop_assert!((cri00 - expected).abs() <= 1e-9, "CRI00 {cri00}, {expected}");
+        }
+
+        let narrow = in_single(&light);
+        let found = IndexMeter::new(GRID, CONSTANT).measure(&narrow).unwrap();
+        prop_assert_eq!(bits(&found), bits(&measure_indices(GRID, &narrow, CONSTANT).unwrap()));
     }
 
     #[test]

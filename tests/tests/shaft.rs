@@ -389,11 +389,17 @@ fn total(light: &Gathered) -> f64 {
     light.iter().map(|(_, weight)| weight).sum()
 }
 
-/// Culling changes nothing where surfaces are diffuse; where they are glossy, the parts that stand for a light cut by the horizon differ.
+/// How far the lattice of shadow rays is off where a light is partly hidden, relative to the brightest pixel: a few of its 256 cells are
+/// taken wrongly, more where the shadow's edge is thinner than the coarsest cells.
+const LATTICE: f64 = 0.03;
+/// Its error on the average over all pixels, signs counted.
+const BIAS: f64 = 3e-4;
+
+/// Where nothing is in the way, closed forms and shadow rays give the same; along shadows' edges they differ by the lattice's error.
 #[test]
 fn pictures_are_the_same_without_culling() {
     const SIZE: u32 = 96;
-    for (name, glossy) in [("cornell-box", false), ("cornell-box-paper", true), ("cornell-box-spheres", false)] {
+    for name in ["cornell-box", "cornell-box-paper", "cornell-box-spheres"] {
         let scene = builtin::load(name, &[]).unwrap();
         let whitted = || Whitted::new(&scene, [SIZE; 2], &mut Palette::default()).unwrap();
         let pixels = || (0..SIZE * SIZE).map(|i| (i % SIZE, i / SIZE));
@@ -402,14 +408,14 @@ fn pictures_are_the_same_without_culling() {
         // What is known of cells doesn't depend on who asked first.
         assert!(with == gather(&whitted(), pixels().collect::<Vec<_>>().into_iter().rev()), "{name}");
         let brightest = without.values().map(total).fold(0.0, f64::max);
-        let mut differing = 0;
+        let (mut differing, mut bias) = (0, 0.0);
         for pixel in pixels().filter(|pixel| with[pixel] != without[pixel]) {
-            let more = total(&with[&pixel]) - total(&without[&pixel]);
-            // The parts' irradiances add up to the same; the lobe at their middles differs by its change over a part.
-            assert!(glossy && more.abs() <= 1e-3 * brightest, "{name} {pixel:?}: {more}");
+            let more = (total(&with[&pixel]) - total(&without[&pixel])) / brightest;
+            assert!(more.abs() <= LATTICE, "{name} {pixel:?}: {more}");
+            bias += more / f64::from(SIZE * SIZE);
             differing += 1;
         }
-        println!("{name}: {differing} of {} pixels differ", SIZE * SIZE);
-        assert!(5 * differing < SIZE * SIZE, "{name}: {differing}");
+        println!("{name}: {differing} of {} pixels differ, by {bias:e} on average", SIZE * SIZE);
+        assert!(bias.abs() <= BIAS && 3 * differing < SIZE * SIZE, "{name}: {differing} {bias}");
     }
 }

@@ -6,7 +6,9 @@
 
 use spectral_core::Real;
 
+use super::angle::squared_cosine;
 use super::gauss::integrate;
+use super::keeps_digits;
 use crate::vector::{Vector, cross, dot, length};
 
 /// Half angles of an elliptic cone by their sines and cosines.
@@ -37,6 +39,9 @@ impl<R: Real> Cone<R> {
 
     /// The configuration factor to an element whose horizon cuts the cone.
     pub(super) fn cut(&self, horizon: &Horizon<R>) -> R {
+        if !(self.irradiance() > R::ZERO) {
+            return R::ZERO;
+        }
         let n = horizon.normal;
         let below = n[2] > R::ZERO;
         let whole = if below { n[2] * self.irradiance() } else { R::ZERO };
@@ -46,15 +51,12 @@ impl<R: Real> Cone<R> {
         let cut = Cut::new(*self, &Horizon { normal: n.map(R::abs), ..*horizon });
         let (sum, difference) = cut.closed_form();
         let factor = whole + difference;
-        if factor * R::from_f64(CANCELLATION) >= sum {
+        if keeps_digits(factor, sum) {
             return factor;
         }
         whole + if self.narrow[0] >= self.narrow[1] { cut.by_azimuth() } else { cut.by_planes() }
     }
 }
-
-/// How much smaller than its terms the closed form may come out: 5 bits are lost at most.
-const CANCELLATION: f64 = 32.0;
 
 /// The smaller part of a cone, cut by a horizon above the axis: n = (n_ξ, n_η, −n_ζ), all of `n` ≥ 0.
 struct Cut<R> {
@@ -69,8 +71,7 @@ struct Cut<R> {
     half_angle: R,
     cosine: R,
     sine: R,
-    /// t₀ with its cosine and sine.
-    middle: R,
+    /// cos t₀ and sin t₀.
     middle_cosine: R,
     middle_sine: R,
     /// Cosine and sine of t₁ and t₂.
@@ -102,7 +103,6 @@ impl<R: Real> Cut<R> {
             half_angle: chord.atan2(level),
             cosine,
             sine,
-            middle: y.atan2(x),
             middle_cosine,
             middle_sine,
             first,
@@ -227,7 +227,7 @@ impl<R: Real> Cut<R> {
             };
             let low = along * t.sin() - across * t.cos();
             let high = along * s - across * c;
-            rise * w * (p / (d2 * d)) * squared_cosine([low / d, high / d], R::TWO * p * w / d)
+            rise * (w / d) * (p / d2) * squared_cosine([low / d, high / d], R::TWO * p * w / d)
         };
         integrate_from(first, self.half_angle, distance, integrand) * k * ab * self.amplitude / R::PI
     }
@@ -248,37 +248,6 @@ fn integrate_from<R: Real>(start: R, length: R, distance: impl Fn(R, R) -> R, in
         } else {
             R::ZERO
         }
-}
-
-/// ∫ cos² γ dγ between the angles of the given tangents, which differ by `gap`.
-fn squared_cosine<R: Real>([low, high]: [R; 2], gap: R) -> R {
-    let product = low * high;
-    let g = ((R::ONE + low * low) * (R::ONE + high * high)).sqrt();
-    let angle = gap.atan2(R::ONE + product);
-    let sine = gap / g;
-    // 1 + cos of the sum of both angles.
-    let sum = if product > R::ONE {
-        let s = low + high;
-        s * s / (g * (g + product - R::ONE))
-    } else {
-        R::ONE + (R::ONE - product) / g
-    };
-    R::HALF * (angle_minus_sine(angle, sine) + sine * sum)
-}
-
-/// x − sin x, `sine` being sin x.
-fn angle_minus_sine<R: Real>(x: R, sine: R) -> R {
-    let x2 = x * x;
-    if x2 > R::from_f64(0.25) {
-        return x - sine;
-    }
-    let mut term = x * x2 / R::from_f64(6.0);
-    let mut sum = term;
-    for k in [20.0, 42.0, 72.0, 110.0, 156.0, 210.0] {
-        term = -term * x2 / R::from_f64(k);
-        sum += term;
-    }
-    sum
 }
 
 /// `value` / `e`, or its limit where e is zero.

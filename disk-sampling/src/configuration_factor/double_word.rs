@@ -18,8 +18,6 @@ pub(super) struct DoubleWord<R> {
 }
 
 impl<R: Real> DoubleWord<R> {
-    pub(super) const ZERO: Self = Self { high: R::ZERO, low: R::ZERO };
-
     /// `a` + `b` exactly.
     pub(super) fn sum(a: R, b: R) -> Self {
         let high = a + b;
@@ -32,6 +30,11 @@ impl<R: Real> DoubleWord<R> {
         let high = a * b;
         let ((a1, a2), (b1, b2)) = (split(a), split(b));
         Self { high, low: ((a1 * b1 - high) + a1 * b2 + a2 * b1) + a2 * b2 }
+    }
+
+    /// Times a power of two, exactly.
+    pub(super) fn scaled(self, power: R) -> Self {
+        Self { high: self.high * power, low: self.low * power }
     }
 
     /// The nearest number.

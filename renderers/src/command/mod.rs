@@ -3,9 +3,12 @@
 //! Exit codes: 0 when done, 1 when a check failed, 2 for bad input, with one line on stderr.
 
 mod compare;
+mod illuminance;
 mod light;
+mod relight;
 mod render;
 mod scene;
+mod verify;
 
 use std::io::Write as _;
 use std::process::ExitCode;
@@ -32,10 +35,16 @@ enum Command {
     Render(render::Arguments),
     /// Compare two pictures: colour difference and relative brightness.
     Compare(compare::Arguments),
+    /// Put a high-dynamic-range picture under another light.
+    Relight(relight::Arguments),
     /// Everything there is to say of a light: colour temperature, colour rendering, action spectra.
     Light(light::Arguments),
+    /// Illuminance at points of a scene.
+    Illuminance(illuminance::Arguments),
     /// List the built-in scenes, or write one out as files for other renderers.
     Scene(scene::Arguments),
+    /// Analytic test cases for illuminance: judge this project, or write them for other programs and judge those.
+    Verify(verify::Arguments),
 }
 
 /// Bad input, in one line.
@@ -63,7 +72,10 @@ pub(crate) fn run() -> ExitCode {
     };
     let json = arguments.json;
     match dispatch(arguments) {
-        Ok(answer) => show(&if json { answer.json.to_string() } else { answer.text }),
+        Ok((answer, code)) => {
+            let shown = show(&if json { answer.json.to_string() } else { answer.text });
+            if shown == ExitCode::SUCCESS { code } else { shown }
+        }
         Err(Failure(line)) => fail(&line),
     }
 }
@@ -94,19 +106,24 @@ fn one_line(error: &str) -> String {
     paragraphs.map(words).filter(|p| !p.is_empty()).collect::<Vec<_>>().join("; ")
 }
 
-fn dispatch(arguments: Arguments) -> Result<Answer, Failure> {
+/// The answer, and how the program is to exit: a check may have failed.
+fn dispatch(arguments: Arguments) -> Result<(Answer, ExitCode), Failure> {
     if let Some(threads) = arguments.threads {
         if !(1..=1024).contains(&threads) {
             return Err(Failure(format!("--threads must be from 1 to 1024, not {threads}")));
         }
         rayon::ThreadPoolBuilder::new().num_threads(threads).build_global()?;
     }
-    match arguments.command {
+    let answer = match arguments.command {
+        Command::Verify(verify) => return verify.run(),
         Command::Render(render) => render.run(),
         Command::Compare(compare) => compare.run(),
+        Command::Relight(relight) => relight.run(),
         Command::Light(light) => light.run(),
+        Command::Illuminance(illuminance) => illuminance.run(),
         Command::Scene(scene) => scene.run(),
-    }
+    }?;
+    Ok((answer, ExitCode::SUCCESS))
 }
 
 #[cfg(test)]
@@ -124,7 +141,7 @@ mod tests {
         for (arguments, expected) in [
             (
                 &[][..],
-                "'spectral' requires a subcommand but one was not provided [subcommands: render, compare, light, scene, help]",
+                "'spectral' requires a subcommand but one was not provided [subcommands: render, compare, relight, light, illuminance, scene, verify, help]",
             ),
             (
                 &["render", "--sise", "4x4"],

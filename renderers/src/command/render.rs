@@ -27,7 +27,8 @@ pub(super) struct Arguments {
     /// How light is gathered.
     #[arg(long, value_enum, default_value_t = Renderer::Whitted)]
     renderer: Renderer,
-    /// How spectra are represented: interval, uniform:N (N equal bins) or rgb (naive product of components).
+    /// How spectra are represented: interval, uniform:N (N equal bins), or three components: rgb (their naive product),
+    /// rgb-prefiltered (for the dominant light), bilinear, smits (made into spectra).
     #[arg(long, default_value = "interval", value_parser = parse_spectra)]
     spectra: Representation,
     /// How errors of intervals are taken.
@@ -63,6 +64,9 @@ enum Representation {
     Interval,
     Uniform(usize),
     Rgb,
+    RgbPrefiltered,
+    Bilinear,
+    Smits,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -77,9 +81,12 @@ fn parse_spectra(text: &str) -> Result<Representation, String> {
     match text {
         "interval" => Ok(Representation::Interval),
         "rgb" => Ok(Representation::Rgb),
-        _ => uniform()
-            .map(Representation::Uniform)
-            .ok_or_else(|| "expected interval, rgb or uniform:N with N from 1 to 4000".to_owned()),
+        "rgb-prefiltered" => Ok(Representation::RgbPrefiltered),
+        "bilinear" => Ok(Representation::Bilinear),
+        "smits" => Ok(Representation::Smits),
+        _ => uniform().map(Representation::Uniform).ok_or_else(|| {
+            "expected interval, rgb, rgb-prefiltered, bilinear, smits or uniform:N with N from 1 to 4000".to_owned()
+        }),
     }
 }
 
@@ -89,7 +96,7 @@ fn parse_size(text: &str) -> Result<[u32; 2], String> {
     size.ok_or_else(|| format!("expected WIDTHxHEIGHT, each from 1 to {MAX_SIDE}"))
 }
 
-fn parse_define(text: &str) -> Result<(String, String), String> {
+pub(super) fn parse_define(text: &str) -> Result<(String, String), String> {
     let (name, value) = text.split_once('=').ok_or("expected NAME=VALUE")?;
     Ok((name.to_owned(), value.to_owned()))
 }
@@ -125,6 +132,9 @@ impl Arguments {
             Representation::Interval => Spectra::Interval(IntervalSettings { mode, threshold: self.threshold }),
             Representation::Uniform(count) => Spectra::Uniform(count),
             Representation::Rgb => Spectra::Rgb,
+            Representation::RgbPrefiltered => Spectra::RgbPrefiltered,
+            Representation::Bilinear => Spectra::Bilinear,
+            Representation::Smits => Spectra::Smits,
         };
         let Renderer::Whitted = self.renderer;
         Ok(Options { spectra, size: self.size, samples: self.spp, seed: self.seed })

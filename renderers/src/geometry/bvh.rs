@@ -306,8 +306,8 @@ impl Bvh {
     pub(super) fn any_item(
         &self,
         meets: impl Fn(&[Vec4; 3], &[Vec4; 3]) -> u32,
-        packet_blocks: impl Fn(&Packet) -> bool,
-        round_blocks: impl Fn(&Round, u32) -> bool,
+        mut packet_blocks: impl FnMut(&Packet) -> bool,
+        mut round_blocks: impl FnMut(&Round, u32) -> bool,
     ) -> bool {
         let mut stack = Stack::<LARGE_STACK>::new();
         let mut next = if self.leaves.is_empty() { None } else { Some((self.root(), 0.0)) };
@@ -316,7 +316,7 @@ impl Bvh {
                 let leaf = &self.leaves[(child & !LEAF) as usize];
                 let packets = &self.packets[leaf.packets[0] as usize..leaf.packets[1] as usize];
                 let rounds = &self.rounds[leaf.rounds[0] as usize..leaf.rounds[1] as usize];
-                if packets.iter().any(&packet_blocks) || rounds.iter().any(|(round, i)| round_blocks(round, *i)) {
+                if packets.iter().any(&mut packet_blocks) || rounds.iter().any(|(round, i)| round_blocks(round, *i)) {
                     return true;
                 }
             } else {

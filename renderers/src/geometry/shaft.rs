@@ -195,6 +195,33 @@ impl Shaft {
         )
     }
 
+    /// The primitives in the hierarchy that may be in the way, in increasing order; `None` if there are more than `most`,
+    /// or round ones and `flat` asks for none.
+    pub(super) fn blockers(&self, bvh: &Bvh, most: usize, flat: bool) -> Option<Vec<u32>> {
+        let found = core::cell::RefCell::new(Vec::new());
+        let overflows = bvh.any_item(
+            |low, high| self.meets_boxes(low, high),
+            |packet| {
+                let mut found = found.borrow_mut();
+                found.extend(self.blocking_triangles(packet));
+                found.len() > 2 * most
+            },
+            |round, primitive| {
+                if self.exclude.contains(&primitive) || self.misses_round(round) {
+                    return false;
+                }
+                let mut found = found.borrow_mut();
+                found.push(primitive);
+                flat || found.len() > 2 * most
+            },
+        );
+        let mut found = found.into_inner();
+        // Both halves of a parallelogram have its number.
+        found.sort_unstable();
+        found.dedup();
+        (!overflows && found.len() <= most).then_some(found)
+    }
+
     /// Which of four boxes may have something in them that is in the way.
     #[inline]
     fn meets_boxes(&self, low: &[Vec4; 3], high: &[Vec4; 3]) -> u32 {
@@ -211,9 +238,15 @@ impl Shaft {
     }
 
     fn is_blocked_by_packet(&self, packet: &Packet) -> bool {
-        packet.triangles().any(|(primitive, triangle)| {
-            primitive != NO_PRIMITIVE && !self.exclude.contains(&primitive) && !self.misses_triangle(triangle)
-        })
+        self.blocking_triangles(packet).next().is_some()
+    }
+
+    /// The primitives of a packet's triangles that may be in the way.
+    fn blocking_triangles(&self, packet: &Packet) -> impl Iterator<Item = u32> {
+        let blocking = packet.triangles().filter(|(primitive, triangle)| {
+            *primitive != NO_PRIMITIVE && !self.exclude.contains(primitive) && !self.misses_triangle(*triangle)
+        });
+        blocking.map(|(primitive, _)| primitive)
     }
 
     /// Whether a triangle is certainly not in the way.

@@ -120,6 +120,14 @@ impl World {
         shaft.is_clear(&self.bvh)
     }
 
+    /// The primitives that may block some of a shaft's rays, in increasing order; `None` if there are more than `most`, or disks and
+    /// spheres among them where only `flat` ones will do. All others certainly block none, in the sense of
+    /// [`shaft_is_clear`](Self::shaft_is_clear).
+    #[must_use]
+    pub fn shaft_blockers(&self, shaft: &Shaft, most: usize, flat: bool) -> Option<Vec<u32>> {
+        shaft.blockers(&self.bvh, most, flat)
+    }
+
     /// The part of a triangle or parallelogram within an axis-aligned box, seen from the side its normal points to (`front`) or from the
     /// other, as the end of a [`Shaft`]: it holds every point of the primitive whose rounded coordinates are in the box. `None` if
     /// there is no such part, or for other primitives.

@@ -2,6 +2,8 @@
 
 use glam::{DAffine3, DVec3};
 
+use crate::luminaire::PlacedLuminaire;
+
 /// Index of a [`SpectrumData`] in [`Scene::spectra`]; equal ids are equal functions, and different ids different ones.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct SpectrumId(pub usize);
@@ -450,6 +452,15 @@ pub enum Emitter {
         direction: DVec3,
         /// Irradiance on a plane perpendicular to it.
         irradiance: SpectrumId,
+    },
+    /// A luminaire, far enough from what it lights to be a point: its luminous intensity by direction is that of its file.
+    Luminaire {
+        /// Where and how it hangs, and its intensity in cd by direction.
+        luminaire: PlacedLuminaire,
+        /// Radiant intensity for each candela.
+        spectrum: SpectrumId,
+        /// For messages: the id or else the type, and the file with line, such as `luminaire (box.xml:12)`.
+        label: String,
     },
     /// A uniform environment around the scene.
     Constant {

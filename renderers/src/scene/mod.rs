@@ -30,24 +30,37 @@
 //! | | `dielectric` | `int_ior` (1.5046), `ext_ior` (1.000277): a number, a name of Mitsuba's, *ext.* one of [`DISPERSIVE_GLASSES`] or a spectrum; `specular_reflectance`, `specular_transmittance` (1); `absorption` *ext.* |
 //! | | `schlick` *ext.* | `reflectance` (0.5), `roughness` (1), `isotropy` (1) |
 //! | | `twosided` | one or two `bsdf`s or `ref`s |
-//! | `<emitter>` | `area` (inside a shape) | `radiance` |
-//! | | `point` | `intensity`; `position` or `to_world` |
-//! | | `directional` | `irradiance`; `direction` or `to_world` |
-//! | | `constant` | `radiance` |
-//! | | `ambient` *ext.* | `radiance` |
+//! | `<emitter>` | `area` (inside a shape) | `radiance`; `luminance` or `luminous_flux` *ext.* |
+//! | | `point` | `intensity`; `position` or `to_world`; `luminous_intensity` or `luminous_flux` *ext.* |
+//! | | `directional` | `irradiance`; `direction` or `to_world`; `illuminance` *ext.* |
+//! | | `constant` | `radiance`; `luminance` *ext.* |
+//! | | `ambient` *ext.* | `radiance`; `luminance` |
+//! | | `luminaire` *ext.* | `filename` (`.ies`, `.ldt`), `to_world` (rigid), `luminous_flux` (the file's), `spectrum` |
 //! | `<transform>` | | `translate`, `rotate`, `scale`, `lookat` (with `up`), `matrix` (9 or 16 values), later ones applied after earlier ones |
 //!
 //! A spectrum property is a `<spectrum>` with `value="0.5"`, `value="400:0.1, 500:0.2"` or `filename` (see
 //! [`parse_spectrum_file`]); a `<spectrum type>` of `uniform` (`value`), `regular` (`wavelength_min`, `wavelength_max`,
 //! `values`), `irregular` (`wavelengths`, `values`), `d65` (`scale`) or `blackbody` (`temperature`, `wavelength_min`,
-//! `wavelength_max`, `scale` *ext.*); a `<ref>` to one; a `<float>`; or a grey `<rgb>`. The last two are constants for
-//! materials and multiples of D65 for lights, whose default is D65 with Y = 1. Tables are linear between their nodes and
-//! 0 outside.
+//! `wavelength_max`, `scale` *ext.*); a `<ref>` to one; a `<float>`; or an `<rgb>`. A `<float>` and a grey `<rgb>` are constants for
+//! materials and multiples of D65 for lights, whose default is D65 with Y = 1; a coloured `<rgb>`, linear Rec. 709, is the smooth
+//! spectrum that has this colour under D65, and for lights times D65 ([`spectral_core::upsampling`]). Tables are linear
+//! between their nodes and 0 outside.
+//!
+//! A photometric quantity (`<float>`, positive; the scene's length unit is the metre) gives a light's spectrum its scale:
+//! with `luminance` in cd/m², `luminous_flux` in lm, `luminous_intensity` in cd or `illuminance` in lx (on a plane across
+//! parallel light), the spectrum, whatever it is, is multiplied so that its [photometric value](SpectrumKind::photometric)
+//! is what is stated; flux is π × luminance × area of the front for area lights of any shape, 4π × intensity for points. A
+//! light has one such quantity at most. Units are then absolute: a luminance of 1 cd/m² is a picture's Y of 1.37·10⁻⁵.
+//!
+//! A `luminaire` has the candela of its IES LM-63 or EULUMDAT file ([`luminaire`](crate::luminaire)), scaled to
+//! `luminous_flux` where that is given, and shines as a point. In its own frame it hangs upright: its light goes down along
+//! −z (γ = 0), plane C0 is +x and C90 +y, and `to_world` moves, turns or mirrors that frame. `spectrum` gives the colour
+//! alone, its scale has no effect; the default is D65 as for all lights.
 //!
 //! Stricter than Mitsuba: refused are NaN and infinite numbers anywhere, negative spectra, reflectances above 1, indices
 //! that do not cover 380–780 nm, wavelengths that do not increase, singular transforms, radii and image sizes that are not
 //! positive, spheres and disks under a transform that is no similarity, sheared rectangles, meshes without area, scaled
-//! cameras, scenes without a sensor, coloured `<rgb>`, textures, included files, text between elements, and properties
+//! cameras, scenes without a sensor, textures, included files, text between elements, and properties
 //! given twice.
 //!
 //! ```
@@ -72,7 +85,9 @@ mod emitter;
 mod error;
 mod load;
 mod obj;
+mod photometry;
 mod props;
+mod rgb;
 mod sensor;
 mod shape;
 mod source;

@@ -18,12 +18,12 @@ pub(crate) fn add<'a>(loader: &mut Loader<'a>, node: Node<'a>) -> Result<(), Sce
     let mut props = Props::new(node)?;
     let geometry = geometry(loader, &mut props)?;
     let bsdf = loader.bsdfs.of_shape(&mut props, &mut loader.spectra)?;
-    let emitter = emitter::of_shape(loader, &mut props, ShapeId(loader.shapes.len()))?;
-    props.finish()?;
     let area = geometry.area();
     if !(area > 0.0 && area.is_finite()) {
         return Err(node.error("the shape's area is zero or leaves the range of numbers"));
     }
+    let emitter = emitter::of_shape(loader, &mut props, ShapeId(loader.shapes.len()), area)?;
+    props.finish()?;
     loader.shapes.push(Shape { geometry, bsdf, emitter, label: label(node) });
     Ok(())
 }

@@ -3,6 +3,7 @@
 use std::collections::HashMap;
 
 use super::load::Ids;
+use super::photometry::Stated;
 use super::props::{Props, parse_finite, parse_float, parse_list, tokens, unsupported};
 use super::source::Source;
 use super::xml::Node;
@@ -67,14 +68,41 @@ impl<'a> Spectra<'a> {
         name: &str,
         role: Role,
     ) -> Result<Option<SpectrumId>, SceneError> {
+        let taken = self.take(props, name, role)?;
+        Ok(taken.map(|(kind, label)| self.intern(kind, || label)))
+    }
+
+    /// Takes the spectrum property `name` of a light, or stands in `default`, and gives it the photometric value that is
+    /// stated.
+    pub(crate) fn light(
+        &mut self,
+        props: &mut Props<'a>,
+        name: &str,
+        default: SpectrumKind,
+        stated: Option<&Stated<'a>>,
+    ) -> Result<SpectrumId, SceneError> {
+        let place = props.node();
+        let taken = self.take(props, name, Role::Emission)?;
+        let (kind, label) = taken.unwrap_or_else(|| (default, format!("default {name} ({})", place.place())));
+        let kind = match stated {
+            Some(stated) => stated.apply(&kind)?,
+            None => kind,
+        };
+        Ok(self.intern(kind, || label))
+    }
+
+    /// Takes the spectrum property `name`, if it is there, with its label.
+    fn take(
+        &self,
+        props: &mut Props<'a>,
+        name: &str,
+        role: Role,
+    ) -> Result<Option<(SpectrumKind, String)>, SceneError> {
         let Some(node) = props.take(name) else { return Ok(None) };
         let kind = self.parse(node, role)?;
         check(node, name, &kind, role)?;
-        let label = match node.attribute("filename") {
-            Some(file) => format!("{file} ({})", node.place()),
-            None => format!("{name} ({})", node.place()),
-        };
-        Ok(Some(self.intern(kind, || label)))
+        let label = node.attribute("filename").unwrap_or(name);
+        Ok(Some((kind, format!("{label} ({})", node.place()))))
     }
 
     /// A constant, for defaults that no property stands for.
@@ -97,7 +125,7 @@ impl<'a> Spectra<'a> {
                 node.no_children()?;
                 Ok(bare_number(parse_float(node, node.require("value")?)?, role))
             }
-            "rgb" => grey(node, role),
+            "rgb" => super::rgb::parse(node, role),
             "ref" => {
                 let target = self.ids.resolve(node)?;
                 if target.tag() != "spectrum" {
@@ -275,21 +303,8 @@ fn blackbody(props: &mut Props<'_>) -> Result<SpectrumKind, SceneError> {
     Ok(SpectrumKind::Blackbody { temperature, scale, wavelength_min, wavelength_max })
 }
 
-fn bare_number(value: f64, role: Role) -> SpectrumKind {
+pub(crate) fn bare_number(value: f64, role: Role) -> SpectrumKind {
     if role == Role::Emission { SpectrumKind::D65 { scale: value } } else { SpectrumKind::Constant(value) }
-}
-
-/// `<rgb>`: only greys, which mean the same spectrum to everyone.
-fn grey(node: Node<'_>, role: Role) -> Result<SpectrumKind, SceneError> {
-    node.allow_attributes(&["name", "value"])?;
-    node.no_children()?;
-    let values = parse_list(node, node.require("value")?)?;
-    match values.as_slice() {
-        &[value] => Ok(bare_number(value, role)),
-        &[r, g, b] if r == g && g == b => Ok(bare_number(r, role)),
-        &[_, _, _] => Err(node.error("coloured <rgb> is not supported: give a <spectrum>")),
-        other => Err(node.error(format!("<rgb> holds one or three numbers, not {}", other.len()))),
-    }
 }
 
 /// Refuses values (all finite by now) that can't be what the role says.

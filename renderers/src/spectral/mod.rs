@@ -5,17 +5,17 @@
 //! [`Resolver`] turns it into a colour: by adaptive intervals, by uniform bins or by three components. Transport is the
 //! same for all of them.
 
+mod components;
 mod interval;
 mod palette;
 mod radiance;
-mod rgb;
 mod uniform;
 
+pub use components::{ComponentResolver, Components};
 pub use interval::{IntervalMemory, IntervalSettings, Intervals, SharedIntervals};
 pub use palette::{Factor, Palette, Role, Tabulated};
 pub(crate) use radiance::PairHasher;
-pub use radiance::{Deferred, Monomial, Monomials, Radiance};
-pub use rgb::Components;
+pub use radiance::{Deferred, FactorOrder, Monomial, Monomials, Radiance};
 pub use uniform::{Uniform, UniformBins};
 
 /// ∫ȳ of the CIE 1931 observer over 380–780 nm in nm, at 1 nm, exact for its linear interpolation: what divides ∫Lȳ so that a flat

@@ -103,8 +103,12 @@ impl Tabulated {
         Self { wavelengths, values: table.samples.double.to_vec() }
     }
 
-    /// Planck's radiance at whole nanometres, W m⁻² sr⁻¹ nm⁻¹.
+    /// Planck's radiance at whole nanometres, W m⁻² sr⁻¹ nm⁻¹, over the part of the range that is near the visible one.
     fn blackbody(temperature: f64, from: f64, to: f64) -> Self {
+        let [from, to] = [from, to].map(|limit| limit.clamp(360.0, 830.0));
+        if from >= to {
+            return Self { wavelengths: vec![360.0, 830.0], values: vec![0.0; 2] };
+        }
         let mut wavelengths = vec![from];
         let mut next = from.floor() + 1.0;
         while next < to {

@@ -47,21 +47,36 @@ impl Monomial {
     }
 }
 
-/// All products met so far: each gets one number however its factors are ordered.
+/// Whether the order of a product's factors matters.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum FactorOrder {
+    /// It doesn't: spectra are multiplied wavelength by wavelength. Factors are kept in increasing order.
+    #[default]
+    Free,
+    /// It does, as for operators that aren't associative: factors are kept as they are met, from the eye to the light.
+    Kept,
+}
+
+/// All products met so far: each gets one number, however its factors are ordered where that doesn't matter.
 #[derive(Clone, Debug)]
 pub struct Monomials {
+    order: FactorOrder,
     factors: Vec<Vec<u32>>,
     products: HashMap<(u32, u32), u32, PairBuild>,
     numbers: HashMap<Vec<u32>, u32>,
 }
 
-impl Default for Monomials {
-    fn default() -> Self {
-        Self { factors: vec![Vec::new()], products: HashMap::default(), numbers: HashMap::from([(Vec::new(), 0)]) }
-    }
-}
-
 impl Monomials {
+    /// The empty product alone.
+    pub fn new(order: FactorOrder) -> Self {
+        Self {
+            order,
+            factors: vec![Vec::new()],
+            products: HashMap::default(),
+            numbers: HashMap::from([(Vec::new(), 0)]),
+        }
+    }
+
     /// How many products have been met, the empty one included.
     #[allow(clippy::len_without_is_empty, reason = "the empty product is always there")]
     pub fn len(&self) -> usize {
@@ -74,7 +89,10 @@ impl Monomials {
             return Monomial(*known);
         }
         let mut factors = self.factors[monomial.index()].clone();
-        let place = factors.partition_point(|f| *f <= leaf);
+        let place = match self.order {
+            FactorOrder::Free => factors.partition_point(|f| *f <= leaf),
+            FactorOrder::Kept => factors.len(),
+        };
         factors.insert(place, leaf);
         let next = u32::try_from(self.factors.len()).unwrap_or(u32::MAX);
         let number = *self.numbers.entry(factors.clone()).or_insert(next);
@@ -100,7 +118,7 @@ impl Monomials {
         (product, weight * factor.scale)
     }
 
-    /// The leaves of a monomial, in increasing order.
+    /// The leaves of a monomial, in increasing order or from the eye to the light.
     pub fn leaves(&self, monomial: Monomial) -> &[u32] {
         &self.factors[monomial.index()]
     }
@@ -143,6 +161,25 @@ impl Radiance {
     pub fn defer(&mut self, deferred: Deferred, monomial: Monomial, weight: f64) {
         if weight != 0.0 {
             self.deferred.push((deferred, monomial, weight));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{FactorOrder, Monomial, Monomials};
+
+    #[test]
+    fn the_order_of_factors_is_kept_where_it_matters() {
+        for (order, expected) in [(FactorOrder::Free, [1, 2, 2, 7]), (FactorOrder::Kept, [7, 2, 1, 2])] {
+            let mut monomials = Monomials::new(order);
+            let mut of =
+                |leaves: &[u32]| leaves.iter().fold(Monomial::default(), |m, leaf| monomials.times_leaf(m, *leaf));
+            let (near, far) = (of(&[7, 2]), of(&[1, 2]));
+            let product = monomials.product(near, far);
+            assert_eq!(monomials.leaves(product), expected);
+            let other = monomials.product(far, near);
+            assert_eq!(product == other, order == FactorOrder::Free);
         }
     }
 }

@@ -1,12 +1,9 @@
 //! From a scene's data to what the tracer needs.
 
-use glam::DVec3;
-
-use super::cells::Cells;
-use super::light::{AreaLight, AreaShape, Flat, Light, single};
 use super::material::Material;
 use super::{RenderError, Settings, Whitted};
-use crate::geometry::{self, Camera, Disk, Parallelogram, Sphere, Surface, World};
+use crate::direct::{self, Blockers, Cells, Light, Source};
+use crate::geometry::{self, Camera};
 use crate::scene::{Emitter, FovAxis, Geometry, Integrator, Scene, Shape};
 use crate::spectral::{Palette, Role};
 
@@ -16,15 +13,14 @@ impl Whitted {
     /// # Errors
     /// Whatever this renderer can't do, by the name the scene gives it.
     pub fn new(scene: &Scene, size: [u32; 2], palette: &mut Palette) -> Result<Self, RenderError> {
-        let mut surfaces = Vec::new();
         let mut materials = Vec::new();
-        for (number, shape) in (0..).zip(&scene.shapes) {
-            surfaces.push((number, surface(&shape.geometry)?));
+        for shape in &scene.shapes {
             materials.push((Material::new(scene, shape.bsdf, palette)?, None));
         }
-        let world = World::new(&surfaces).map_err(|e| RenderError::new(e.to_string()))?;
+        let world = direct::world(scene).map_err(|e| RenderError::new(e.to_string()))?;
         let mut result = Self {
             world,
+            blockers: Blockers::new(scene),
             camera: camera(scene, size)?,
             surfaces: materials,
             lights: Vec::new(),
@@ -49,13 +45,16 @@ impl Whitted {
                     *emission = Some(radiance);
                 }
                 let primitive = self.world.primitives(shape.0).start;
-                self.lights.push(Light::Area(AreaLight { shape: area_shape(data)?, radiance, primitive }));
+                self.lights.push(Light::Area { source: area_source(data, primitive)?, radiance });
             }
             Emitter::Point { position, intensity } => {
                 self.lights.push(Light::Point { position: *position, intensity: light(*intensity) });
             }
             Emitter::Directional { direction, irradiance } => {
                 self.lights.push(Light::Directional { direction: *direction, irradiance: light(*irradiance) });
+            }
+            Emitter::Luminaire { luminaire, spectrum, .. } => {
+                self.lights.push(Light::Luminaire { luminaire: luminaire.clone(), intensity: light(*spectrum) });
             }
             Emitter::Ambient { radiance } => self.ambient.push(light(*radiance)),
             Emitter::Constant { label, .. } => {
@@ -94,44 +93,10 @@ fn camera(scene: &Scene, [width, height]: [u32; 2]) -> Result<Camera, RenderErro
         .map_err(|e| RenderError::new(e.to_string()))
 }
 
-#[allow(clippy::cast_possible_truncation, reason = "rays are traced in f32")]
-fn surface(geometry: &Geometry) -> Result<Surface, RenderError> {
-    Ok(match geometry {
-        Geometry::Rectangle { center, half_u, half_v, normal } => {
-            // The front is where the edges' cross product points.
-            let (u, v) = if half_u.cross(*half_v).dot(*normal) >= 0.0 { (half_u, half_v) } else { (half_v, half_u) };
-            Surface::Parallelogram(Parallelogram {
-                corner: single(*center - *u - *v),
-                edge_u: single(*u * 2.0),
-                edge_v: single(*v * 2.0),
-            })
-        }
-        Geometry::Disk { center, radius, normal } => {
-            Surface::Disk(Disk::new(single(*center), single(*normal), *radius as f32))
-        }
-        Geometry::Sphere { center, radius, inward } => {
-            Surface::Sphere(Sphere { centre: single(*center), radius: *radius as f32, inward: *inward })
-        }
-        Geometry::Mesh(mesh) => Surface::Mesh(geometry::Mesh {
-            positions: mesh.positions.iter().map(|p| single(*p)).collect(),
-            triangles: mesh.triangles.clone(),
-            normals: mesh.normals.iter().flatten().map(|n| single(*n)).collect(),
-        }),
-    })
-}
-
-fn area_shape(shape: &Shape) -> Result<AreaShape, RenderError> {
-    match &shape.geometry {
-        Geometry::Rectangle { center, half_u, half_v, normal } => {
-            Ok(AreaShape::Rectangle(Flat { centre: *center, u: *half_u, v: *half_v, normal: *normal }))
-        }
-        Geometry::Disk { center, radius, normal } => {
-            let (u, v): (DVec3, DVec3) = normal.any_orthonormal_pair();
-            Ok(AreaShape::Disk(Flat { centre: *center, u: u * *radius, v: v * *radius, normal: *normal }))
-        }
-        Geometry::Sphere { center, radius, inward: false } => {
-            Ok(AreaShape::Sphere { centre: *center, radius: *radius })
-        }
+/// The light of a shape that shines.
+fn area_source(shape: &Shape, primitive: u32) -> Result<Source, RenderError> {
+    match (&shape.geometry, direct::sources(shape, primitive).as_deref()) {
+        (Geometry::Rectangle { .. } | Geometry::Disk { .. } | Geometry::Sphere { .. }, Some([source])) => Ok(*source),
         _ => Err(RenderError::new(format!(
             "{}: the Whitted renderer has area lights on rectangles, disks and spheres seen from outside alone",
             shape.label

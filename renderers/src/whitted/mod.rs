@@ -13,17 +13,14 @@
 //! comes back can count for less than 10⁻⁴ before the reflectances of mirrors.
 
 mod build;
-mod cells;
-mod light;
 mod material;
 
 use glam::DVec3;
 use spectral_core::schlick::{Schlick, schlick_fresnel};
 
+use crate::direct::{Blockers, Cells, Cover, KnownCells, Light, Part, Receiver, Scratch, Surroundings, single};
 use crate::geometry::{Camera, Hit, Ray, World};
-use crate::spectral::{Deferred, Factor, Monomial, Monomials, Radiance, Tracer};
-use cells::{Cells, ClearCells};
-use light::{Light, Part, Receiver, single};
+use crate::spectral::{Deferred, Factor, FactorOrder, Monomial, Monomials, Radiance, Tracer};
 use material::{Dielectric, Material, dielectric_fresnel, mirror_factors};
 
 /// Paths that count for less are not followed.
@@ -68,6 +65,7 @@ impl Default for Settings {
 #[derive(Debug)]
 pub struct Whitted {
     world: World,
+    blockers: Blockers,
     camera: Camera,
     /// For each shape, its material and the radiance of its front.
     surfaces: Vec<(Material, Option<Factor>)>,
@@ -92,8 +90,10 @@ impl Whitted {
 pub struct Worker<'s> {
     scene: &'s Whitted,
     monomials: Monomials,
+    order: FactorOrder,
     deferred: Vec<Interface>,
-    clear: ClearCells,
+    known: KnownCells,
+    scratch: Scratch,
     rays: u64,
 }
 
@@ -123,8 +123,16 @@ struct Path {
 
 impl<'s> Worker<'s> {
     /// A worker without anything in its caches.
-    pub fn new(scene: &'s Whitted) -> Self {
-        Self { scene, monomials: Monomials::default(), deferred: Vec::new(), clear: ClearCells::default(), rays: 0 }
+    pub fn new(scene: &'s Whitted, order: FactorOrder) -> Self {
+        Self {
+            scene,
+            monomials: Monomials::new(order),
+            order,
+            deferred: Vec::new(),
+            known: KnownCells::default(),
+            scratch: Scratch::default(),
+            rays: 0,
+        }
     }
 
     /// How many rays this worker has traced, shadow rays not counted.
@@ -134,7 +142,7 @@ impl<'s> Worker<'s> {
 
     /// Forgets all products: numbers of monomials that were given out before mean nothing any more.
     pub fn forget(&mut self) {
-        self.monomials = Monomials::default();
+        self.monomials = Monomials::new(self.order);
         self.deferred.clear();
     }
 
@@ -205,11 +213,22 @@ impl<'s> Worker<'s> {
 
     /// Calls `receive` for each visible part of the light with this number.
     fn illuminate(&mut self, number: usize, receiver: &Receiver, least: u32, receive: impl FnMut(Part)) {
-        let Whitted { world, cells, lights, .. } = self.scene;
+        let Whitted { world, blockers, cells, lights, .. } = self.scene;
         let Some(light) = lights.get(number) else { return };
-        let clear = &mut self.clear;
-        let is_clear = || cells.as_ref().is_some_and(|cells| clear.sees_whole(cells, world, receiver, number));
-        light.illuminate(world, receiver, least, is_clear, receive);
+        let around = Surroundings { world, blockers };
+        let known = &mut self.known;
+        let scratch = &mut self.scratch;
+        light.illuminate(
+            around,
+            receiver,
+            least,
+            move || match cells {
+                Some(cells) => known.cover(cells, around, receiver, number),
+                None => Cover::Unknown,
+            },
+            scratch,
+            receive,
+        );
     }
 
     /// Lambertian reflection of all lights and of the ambient term.
@@ -405,6 +424,7 @@ fn receiver(hit: &Hit) -> Receiver {
         position: hit.position.as_dvec3(),
         normal: hit.shading_normal.as_dvec3() * side,
         geometric: hit.geometric_normal.as_dvec3() * side,
+        contact: 2.0 * f64::from(hit.error),
     }
 }
 

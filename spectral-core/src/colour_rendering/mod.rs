@@ -16,16 +16,20 @@
 mod cam02;
 mod cri;
 mod cri00;
+mod eight;
 mod fidelity;
 mod r96;
 mod reference;
+mod reference_table;
 mod samples;
 
 pub use cri::cie_13_3;
 pub use cri00::{Cri00, cri00};
+pub(crate) use eight::{EightSamples, EightSums, Products, ReferenceColours, general_indices};
 pub use fidelity::{Fidelity, fidelity, fidelity_reference};
 pub use r96::{R96_REFERENCES, R96_TCC_LAB, R96C, nearest_r96_reference, r96};
 pub use reference::{ReferenceKind, ReferenceLight};
+pub(crate) use reference_table::{PIECE_COUNT, ReferencePiece, piece_of};
 pub use samples::{colorchecker_samples, colour_evaluation_samples, munsell_samples};
 
 use crate::Real;

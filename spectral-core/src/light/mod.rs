@@ -1,23 +1,31 @@
 //! Everything there is to say of a light, in one call: chromaticity, colour temperature, colour rendering, action
 //! quantities.
 //!
-//! [`measure`] needs no memory beyond its result and forms every product as it goes: for one light, or a lamp's own
-//! microcontroller. A [`LightMeter`] precomputes the products of samples, observer and action spectra and the Planckian
-//! locus (70 KB in `f64`, half of it in `f32`): for every pixel of a picture. An [`IndexMeter`] does the
-//! same for colour temperature, R_a and CRI00 alone. All give the same bits.
+//! | what | one light | many lights on a grid |
+//! |---|---|---|
+//! | everything | [`measure`] | [`LightMeter`] (70 KB in `f64`) |
+//! | colour temperature, R_a and CRI00 alone | [`measure_indices`] | [`IndexMeter`] (64 KB in `f64`) |
+//! | R_f and R_g, with their 99 samples | [`measure_fidelity`] | [`FidelityMeter`] |
+//!
+//! The functions need no memory beyond their result and form every product as they go: for one light, or a lamp's own
+//! microcontroller. The meters precompute products of samples, observer and action spectra, the Planckian locus, and
+//! the colours under reference lights: for every pixel of a picture. Both of a row give the same bits; in `f32` meters are half
+//! as large.
+//!
+//! The indices of the second row are not the bits of those of the first one: their reference lights are interpolated and
+//! their samples are treated in lockstep. They are within 1e-10 of them in `f64`; see [`measure_indices`] for exceptions.
 //!
 //! **Grid.** A light is `N` samples on a [`SumGrid`], used as they are: sums over 380–780 nm at 5 nm for the tables of the
 //! CIE ([`SumGrid::CIE_5NM`]), as CIE 13.3 prescribes; tables at another step are best brought to 1 nm.
 //!
 //! **Scale.** Everything but [`ActionMeasures::sy`] and `power` is independent of the light's scale. A light is divided by
-//! its largest sample first, so that scales from 1e-37 to 1e37 do as well in `f32` as in `f64`.
+//! a power of two near its largest sample first, so that scales from 1e-37 to 1e37 do as well in `f32` as in `f64`.
 //!
 //! **Constant.** Black bodies are those of c₂ = 1.4388 × 10⁻² m K ([`RadiationConstant::Its1990`]) unless another one is
 //! asked for: that is what CIE 15 and CIE 13.3 are tabulated with.
-//!
-//! R_f and R_g, whose 99 samples need more memory than all the rest, are apart: [`measure_fidelity`], [`FidelityMeter`].
 
 mod fidelity;
+mod index;
 mod meter;
 
 use core::fmt;
@@ -34,7 +42,8 @@ use crate::spectrum::RadiationConstant;
 use crate::summation::{DirectColours, Illuminated, SumGrid, TestColours, tristimulus_sum};
 use crate::tables::observers::CIE_1931_2;
 pub use fidelity::{FidelityMeter, measure_fidelity};
-pub use meter::{GeneralIndices, IndexMeter, LightMeter};
+pub use index::{GeneralIndices, IndexMeter, measure_indices};
+pub use meter::LightMeter;
 
 /// Why a light was refused; an index is that of the first sample at fault, from 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -236,20 +245,53 @@ fn pair<R: Real, T: TestColours<R, N, M>, const N: usize, const M: usize>(
     }
 }
 
-/// The light divided by its largest sample, and that.
+/// How many samples are looked at at once.
+const LANES: usize = 8;
+
+/// The light divided by the power of two below its largest sample, exactly, and that power.
 fn normalise<R: Real, const N: usize>(light: &[R; N]) -> Result<([R; N], R), LightError> {
-    let mut largest = R::ZERO;
-    for (index, &sample) in light.iter().enumerate() {
-        if !sample.is_finite() {
-            return Err(LightError::Value { index });
-        }
-        if sample < R::ZERO {
-            return Err(LightError::Negative { index });
-        }
-        largest = largest.max(sample);
+    let unit = unit(light)?;
+    let scale = R::ONE / unit;
+    Ok((light.map(|sample| sample * scale), unit))
+}
+
+/// The power of two below the largest sample of a light that is fit to be measured; it and its reciprocal are normal numbers.
+fn unit<R: Real, const N: usize>(light: &[R; N]) -> Result<R, LightError> {
+    // The largest sample of every eighth, and one that is negative or NaN: without branches, so that it costs little.
+    let (mut largest, mut faulty) = ([R::ZERO; LANES], [R::ZERO; LANES]);
+    let (chunks, rest) = light.as_chunks::<LANES>();
+    let mut last = [R::ZERO; LANES];
+    for (last, &sample) in last.iter_mut().zip(rest) {
+        *last = sample;
     }
+    for chunk in chunks.iter().chain([&last]) {
+        for lane in 0..LANES {
+            let sample = chunk[lane];
+            largest[lane] = sample.max(largest[lane]);
+            faulty[lane] = if sample >= R::ZERO { faulty[lane] } else { sample };
+        }
+    }
+    let fine = largest.iter().all(|&sample| sample <= R::MAX) && faulty == [R::ZERO; LANES];
+    if !fine {
+        return Err(first_fault(light));
+    }
+    let largest = largest.into_iter().fold(R::ZERO, R::max);
     if largest == R::ZERO {
         return Err(LightError::Dark);
     }
-    Ok((light.map(|sample| sample / largest), largest))
+    Ok(largest.binade().max(R::MIN_POSITIVE).min(R::ONE / R::MIN_POSITIVE))
+}
+
+/// What is wrong with a light that has a sample below zero or not finite.
+#[cold]
+fn first_fault<R: Real, const N: usize>(light: &[R; N]) -> LightError {
+    for (index, &sample) in light.iter().enumerate() {
+        if !sample.is_finite() {
+            return LightError::Value { index };
+        }
+        if sample < R::ZERO {
+            return LightError::Negative { index };
+        }
+    }
+    LightError::Dark
 }

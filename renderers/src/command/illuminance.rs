@@ -1,0 +1,196 @@
+//! `spectral illuminance`: lux at points of a scene.
+
+use core::sync::atomic::{AtomicU64, Ordering};
+use std::io::Read as _;
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use rayon::prelude::*;
+use renderers::illuminance::{IndirectLight, IndirectPart, Meter, Point, Reading, Settings, parse_points};
+use renderers::progress::Progress;
+use renderers::radiosity::{self, IndirectRadiosity, Radiosity};
+use renderers::report::Table;
+use renderers::scene::{Scene, Source, builtin, load};
+use renderers::spectral::{Palette, UniformBins};
+use serde_json::{Value, json};
+
+use super::{Answer, Failure};
+
+/// Wavelengths of the spectra that are shown: from, to, step, nm.
+const SPECTRUM: (u16, u16, u16) = (380, 780, 1);
+
+/// Equal bins over the visible range for light between surfaces.
+const BINS: usize = 81;
+/// Steps of the progress bar.
+const STEPS: u64 = 1000;
+
+/// What `spectral illuminance` takes.
+#[derive(Debug, Args)]
+pub(super) struct Arguments {
+    /// A built-in scene or a scene file.
+    #[arg(value_name = "SCENE")]
+    scene: String,
+    /// Positions and normals: x, y, z, nx, ny, nz on each line; - reads standard input.
+    #[arg(long, value_name = "FILE")]
+    points: PathBuf,
+    /// The relative error that is asked for, from 1e-5 to 0.5.
+    #[arg(long, value_name = "SHARE", default_value_t = 1e-3)]
+    accuracy: f64,
+    /// Add the spectral irradiance, W/(m² nm) at every nanometre from 380 to 780.
+    #[arg(long)]
+    spectral: bool,
+    /// Values for the scene's parameters ($name in the file).
+    #[arg(short = 'D', value_name = "NAME=VALUE", value_parser = super::render::parse_define)]
+    define: Vec<(String, String)>,
+}
+
+impl Arguments {
+    pub(super) fn run(self) -> Result<Answer, Failure> {
+        let scene = self.load()?;
+        let points = read_points(&self.points)?;
+        let direct = self.meter(&scene, None)?;
+        if *direct.indirect_part() != IndirectPart::NotComputed {
+            return self.measure(&direct, &points, None);
+        }
+        match self.radiosity(&scene) {
+            Err(reason) => self.measure(&direct, &points, Some(&reason)),
+            Ok((radiosity, bins)) => match radiosity.solve(&bins) {
+                Err(reason) => self.measure(&direct, &points, Some(&reason.to_string())),
+                Ok(solution) => {
+                    let light = IndirectRadiosity::new(&solution, &bins);
+                    let light = light.as_ref().map(|light| light as &dyn IndirectLight);
+                    self.measure(&self.meter(&scene, light)?, &points, None)
+                }
+            },
+        }
+    }
+
+    fn meter<'s>(&self, scene: &'s Scene, indirect: Option<&'s dyn IndirectLight>) -> Result<Meter<'s>, Failure> {
+        Meter::new(scene, Settings { accuracy: self.accuracy }, indirect)
+            .map_err(|error| Failure(format!("{}: {error}", self.scene)))
+    }
+
+    /// Patches and transport for light between surfaces, and the bins of its spectra; or why it can't be computed.
+    fn radiosity(&self, scene: &Scene) -> Result<(Radiosity, UniformBins), String> {
+        let mut palette = Palette::default();
+        let settings = radiosity::Settings { accuracy: self.accuracy, ..radiosity::Settings::default() };
+        let bar = Progress::new("radiosity", STEPS);
+        let done = AtomicU64::new(0);
+        let advance = |share: f64| {
+            #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a share of some steps")]
+            let now = (share.clamp(0.0, 1.0) * STEPS as f64) as u64;
+            bar.add(now.saturating_sub(done.fetch_max(now, Ordering::Relaxed)));
+        };
+        let settings = settings.limited_by(scene.integrator);
+        let radiosity = Radiosity::new(scene, &settings, &mut palette, &advance).map_err(|error| error.to_string())?;
+        Ok((radiosity, UniformBins::new(&palette, BINS)?))
+    }
+
+    fn measure(&self, meter: &Meter<'_>, points: &[Point], reason: Option<&str>) -> Result<Answer, Failure> {
+        let read = |point: &Point| meter.read(point.position, point.normal);
+        let readings = points.par_iter().map(read).collect::<Result<Vec<_>, _>>()?;
+        let indirect = match reason {
+            Some(reason) => format!("{}: {reason}", meter.indirect_part()),
+            None => meter.indirect_part().to_string(),
+        };
+        Ok(Answer { text: self.describe(meter, &readings, &indirect), json: self.json(meter, &readings, &indirect) })
+    }
+
+    /// A built-in scene if there is one of this name, else a file.
+    fn load(&self) -> Result<Scene, Failure> {
+        if builtin::source(&self.scene).is_some() {
+            return Ok(builtin::load(&self.scene, &self.define)?);
+        }
+        Ok(load(&Source::disk(&self.scene), &self.define)?)
+    }
+
+    fn json(&self, meter: &Meter<'_>, readings: &[Reading], indirect: &str) -> Value {
+        let points = readings.iter().map(|reading| {
+            let mut point = json!({
+                "position": reading.position.to_array(),
+                "normal": reading.normal.to_array(),
+                "lux": reading.lux,
+                "direct_lux": reading.direct_lux,
+                "indirect_lux": reading.indirect_lux,
+                "error": reading.error,
+                "samples": reading.samples,
+            });
+            if let (true, Some(object)) = (self.spectral, point.as_object_mut()) {
+                object.insert("spectrum".to_owned(), spectrum(meter, reading).collect());
+            }
+            point
+        });
+        let mut all = json!({ "points": points.collect::<Value>(), "indirect": indirect });
+        if let (true, Some(object)) = (self.spectral, all.as_object_mut()) {
+            object.insert("wavelengths".to_owned(), wavelengths().collect());
+        }
+        all
+    }
+
+    fn describe(&self, meter: &Meter<'_>, readings: &[Reading], indirect: &str) -> String {
+        let mut table = Table::new(["x", "y", "z", "nx", "ny", "nz", "lux", "direct", "indirect", "±"]);
+        let number = |value: f64| format!("{value:.6}").trim_end_matches('0').trim_end_matches('.').to_owned();
+        for reading in readings {
+            let place = reading.position.to_array().into_iter().chain(reading.normal.to_array()).map(number);
+            let indirect = reading.indirect_lux.map_or_else(|| "?".to_owned(), lux);
+            let found = [lux(reading.lux), lux(reading.direct_lux), indirect, format!("{:.1e}", reading.error)];
+            table.row(place.chain(found));
+        }
+        let text = format!("{table}\n{}\n{}\n", summary(readings), note(meter.indirect_part(), indirect));
+        if self.spectral { text + "\n" + &spectra(meter, readings).to_string() } else { text }
+    }
+}
+
+fn read_points(path: &Path) -> Result<Vec<Point>, Failure> {
+    let (name, text) = if path == Path::new("-") {
+        let mut text = String::new();
+        ("standard input".to_owned(), std::io::stdin().read_to_string(&mut text).map(|_| text))
+    } else {
+        (path.display().to_string(), std::fs::read_to_string(path))
+    };
+    let text = text.map_err(|error| Failure(format!("{name}: {error}")))?;
+    Ok(parse_points(&name, &text)?)
+}
+
+/// An illuminance with six digits.
+fn lux(value: f64) -> String {
+    let digits = if value > 0.0 { (5.0 - value.log10().floor()).clamp(0.0, 9.0) } else { 0.0 };
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "from 0 to 9")]
+    let digits = digits as usize;
+    format!("{value:.digits$}")
+}
+
+fn summary(readings: &[Reading]) -> String {
+    let all = || readings.iter().map(|reading| reading.lux);
+    #[allow(clippy::cast_precision_loss, reason = "a number of points")]
+    let mean = all().sum::<f64>() / readings.len() as f64;
+    let (min, max) = (all().fold(f64::INFINITY, f64::min), all().fold(0.0, f64::max));
+    format!("{} points: min {}, mean {}, max {} lx", readings.len(), lux(min), lux(mean), lux(max))
+}
+
+fn note(part: &IndirectPart, indirect: &str) -> String {
+    let consequence = match part {
+        IndirectPart::NotComputed => "; the scene asks for light between surfaces, and lux is the direct part alone",
+        _ => "",
+    };
+    format!("indirect: {indirect}{consequence}")
+}
+
+fn wavelengths() -> impl Iterator<Item = u16> {
+    let (from, to, step) = SPECTRUM;
+    (from..=to).step_by(usize::from(step))
+}
+
+fn spectrum<'r>(meter: &'r Meter<'_>, reading: &'r Reading) -> impl Iterator<Item = f64> {
+    wavelengths().map(|wavelength| meter.irradiance(reading, f64::from(wavelength)))
+}
+
+fn spectra(meter: &Meter<'_>, readings: &[Reading]) -> Table {
+    let headings = core::iter::once("nm".to_owned()).chain((1..=readings.len()).map(|i| format!("point {i}")));
+    let mut table = Table::new(headings);
+    for wavelength in wavelengths() {
+        let values = readings.iter().map(|reading| format!("{:.6e}", meter.irradiance(reading, f64::from(wavelength))));
+        table.row(core::iter::once(wavelength.to_string()).chain(values));
+    }
+    table
+}

@@ -1,0 +1,145 @@
+//! Closed spaces lose no light.
+//!
+//! In a closed space the form factors of each patch add up to 1. Links take them as constant over groups of patches, and visibility is
+//! sampled: sums are a little off, and what multiple reflections make of that grows like 1/(1 − ρ). The symmetric scaling D G D with
+//! the positive diagonal D that gives all sums their value (R. Sinkhorn, Ann. Math. Statist. 35, 1964) keeps reciprocity and puts that
+//! right: the total of the light is then exact, whatever the mesh.
+
+use rayon::prelude::*;
+
+use super::mesh::Patches;
+use super::sight::{spread, surface_point};
+use super::transport::{Buffer, Link, Transport};
+use crate::geometry::glam::Vec3A;
+use crate::geometry::sampling::square_to_cosine_hemisphere;
+
+/// Rays that look for a hole in a space.
+const RAYS: usize = 1 << 14;
+/// Sums further from 1 than this are not of a closed space, whatever rays say.
+const FURTHEST: f64 = 0.75;
+const ROUNDS: usize = 200;
+/// When sums are near enough to 1.
+const NEAR: f64 = 4e-15;
+
+/// How well light is kept.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Balance {
+    /// Share of the area of patches that belongs to closed spaces.
+    pub(super) closed: f64,
+    /// Largest |ΣF − 1| there before scaling.
+    pub(super) before: f64,
+    /// The same after scaling.
+    pub(super) after: f64,
+    /// Largest ΣF anywhere, after scaling.
+    pub(super) largest: f64,
+}
+
+/// Scales the operator.
+pub(super) fn balance(patches: &Patches, links: &[Link], transport: &mut Transport, buffer: &mut Buffer) -> Balance {
+    let roots = roots(patches);
+    let mut groups = Groups::new(patches.roots);
+    for link in links.iter().filter(|link| link.seen > 0.0) {
+        groups.join(roots[link.p as usize], roots[link.q as usize]);
+    }
+    let group_of = |groups: &mut Groups, leaf: u32| groups.find(roots[leaf as usize]);
+    let mut open = vec![false; patches.roots];
+    for (leaf, escapes) in transport.leaves.iter().zip(escapes(patches, &transport.leaves)) {
+        open[group_of(&mut groups, *leaf)] |= escapes;
+    }
+    let mut sums = transport.row_sums(buffer);
+    for (leaf, sum) in transport.leaves.iter().zip(&sums) {
+        open[group_of(&mut groups, *leaf)] |= !((sum - 1.0).abs() <= FURTHEST);
+    }
+    let closed: Vec<bool> = transport.leaves.iter().map(|leaf| !open[group_of(&mut groups, *leaf)]).collect();
+    let off = |sums: &[f64]| {
+        sums.iter()
+            .zip(&closed)
+            .filter(|(_, closed)| **closed)
+            .fold(0.0_f64, |off, (sum, _)| off.max((sum - 1.0).abs()))
+    };
+    let before = off(&sums);
+    for _ in 0..ROUNDS {
+        let excess = sums
+            .iter()
+            .zip(&closed)
+            .fold(0.0_f64, |most, (sum, closed)| most.max(if *closed { (sum - 1.0).abs() } else { sum - 1.0 }));
+        if excess <= NEAR {
+            break;
+        }
+        for ((scale, sum), closed) in transport.scale.iter_mut().zip(&sums).zip(&closed) {
+            // No patch anywhere receives more than all around it send.
+            if *closed || *sum > 1.0 {
+                *scale /= sum.sqrt();
+            }
+        }
+        sums = transport.row_sums(buffer);
+    }
+    let total: f64 = transport.areas.iter().sum();
+    let area: f64 = transport.areas.iter().zip(&closed).filter(|(_, closed)| **closed).map(|(a, _)| a).sum();
+    Balance { closed: area / total, before, after: off(&sums), largest: sums.iter().fold(0.0, |m, s| s.max(m)) }
+}
+
+/// The root of each node.
+fn roots(patches: &Patches) -> Vec<usize> {
+    let mut roots: Vec<usize> = (0..patches.nodes.len()).collect();
+    for (index, node) in patches.nodes.iter().enumerate() {
+        for child in node.children().into_iter().flatten() {
+            roots[child] = roots[index];
+        }
+    }
+    roots
+}
+
+/// Whether a ray from each leaf meets what is not a patch's front.
+fn escapes(patches: &Patches, leaves: &[u32]) -> Vec<bool> {
+    let mut is_patch = vec![[false; 2]; patches.blockers.len()];
+    for node in &patches.nodes[..patches.roots] {
+        let primitive = node.primitive as usize;
+        let front = node.polygon.normal.dot(patches.blockers[primitive].normal) > 0.0;
+        is_patch[primitive][usize::from(front)] = true;
+    }
+    let rays = u32::try_from((RAYS / leaves.len().max(1)).max(4)).unwrap_or(4);
+    let escapes = |leaf: &u32| {
+        let node = &patches.nodes[*leaf as usize];
+        let normal = node.polygon.normal.as_vec3a();
+        let (u, v) = normal.any_orthonormal_pair();
+        (0..rays).any(|index| {
+            #[allow(clippy::cast_possible_truncation, reason = "rays are traced in f32")]
+            let [a, b, c, d] = spread(index.wrapping_add(leaf.wrapping_mul(rays)) & 0xf_ffff);
+            let way: Vec3A = square_to_cosine_hemisphere([single(c), single(d)]);
+            let from = surface_point(node.polygon.point([a, b]), node.polygon.normal, node.primitive);
+            let hit = patches.world.closest_hit(&from.ray(u * way.x + v * way.y + normal * way.z));
+            !hit.is_some_and(|hit| is_patch[hit.primitive as usize][usize::from(hit.front)])
+        })
+    };
+    leaves.par_iter().map(escapes).collect()
+}
+
+#[allow(clippy::cast_possible_truncation, reason = "rays are traced in f32")]
+fn single(x: f64) -> f32 {
+    x as f32
+}
+
+/// Disjoint sets.
+struct Groups {
+    parents: Vec<usize>,
+}
+
+impl Groups {
+    fn new(count: usize) -> Self {
+        Self { parents: (0..count).collect() }
+    }
+
+    fn find(&mut self, mut item: usize) -> usize {
+        while self.parents[item] != item {
+            self.parents[item] = self.parents[self.parents[item]];
+            item = self.parents[item];
+        }
+        item
+    }
+
+    fn join(&mut self, a: usize, b: usize) {
+        let (a, b) = (self.find(a), self.find(b));
+        self.parents[a.max(b)] = a.min(b);
+    }
+}

@@ -1,0 +1,106 @@
+//! From roots to patches and links that are fine enough.
+
+use super::Settings;
+use super::error::RadiosityError;
+use super::link::{self, Oracle};
+use super::mesh::Patches;
+use super::scalar::luminous;
+use super::solve::System;
+use super::source::{self, Source};
+use super::transport::{Buffer, Link, Transport};
+use crate::spectral::Palette;
+
+/// Passes of refinement, each to a quarter of the flux of the one before.
+const PASSES: i32 = 3;
+/// The error of the solutions that refinement looks at.
+const ROUGH: f64 = 1e-3;
+/// The flux that a link may put in the wrong place, as a share of all, over the accuracy asked for.
+const LINK_SHARE: f64 = 0.01;
+/// The same for a light and a patch.
+const SOURCE_SHARE: f64 = 0.03;
+
+/// Luminous values of sides and lights: what refinement looks at.
+pub(super) struct Builder<'s> {
+    settings: &'s Settings,
+    reflectance: Vec<f64>,
+    /// Radiosity that sides send out by themselves.
+    emission: Vec<f64>,
+    sources: &'s [Source],
+}
+
+impl<'s> Builder<'s> {
+    pub(super) fn new(
+        settings: &'s Settings,
+        patches: &Patches,
+        sources: &'s [Source],
+        palette: &Palette,
+    ) -> Result<Self, RadiosityError> {
+        let mut builder = Self { settings, reflectance: Vec::new(), emission: Vec::new(), sources };
+        for side in &patches.sides {
+            let value = |factor| luminous(palette, factor).map_err(RadiosityError::Spectrum);
+            builder.reflectance.push(value(side.reflectance)?);
+            let radiance = side.emission.map_or(Ok(0.0), value)?;
+            builder.emission.push(core::f64::consts::PI * radiance);
+        }
+        Ok(builder)
+    }
+
+    /// Splits patches and makes links.
+    pub(super) fn build(
+        &self,
+        patches: &mut Patches,
+        progress: &(dyn Fn(f64) + Sync),
+    ) -> Result<Vec<Link>, RadiosityError> {
+        let emitted: f64 = patches.nodes[..patches.roots]
+            .iter()
+            .map(|node| self.emission[node.side as usize] * node.polygon.area)
+            .sum();
+        let sent = emitted + source::luminous_flux(patches, self.sources);
+        let most = SOURCE_SHARE * self.settings.accuracy * sent;
+        source::refine(patches, self.sources, &self.reflectance, most);
+        // Links carry what area lights send, and what is reflected more than once.
+        let reflections = self.settings.bounces.unwrap_or(u32::MAX);
+        if reflections == 0 || (reflections == 1 && emitted <= 0.0) {
+            return Ok(Vec::new());
+        }
+        let mut buffer = Buffer::default();
+        let mut oracle =
+            Oracle { radiosity: Vec::new(), reflectance: &self.reflectance, most: 0.0, memory: self.settings.memory };
+        let mut links = link::of_roots(patches, &oracle)?;
+        for pass in 1..=PASSES {
+            let flux;
+            (oracle.radiosity, flux) = self.luminous_radiosity(patches, &links, &mut buffer);
+            oracle.most = LINK_SHARE * self.settings.accuracy * flux * 4.0_f64.powi(PASSES - pass);
+            links = link::refine(patches, links, &mut oracle)?;
+            progress(f64::from(pass) / f64::from(PASSES + 1));
+        }
+        Ok(links)
+    }
+
+    /// Luminous radiosity of all nodes, and the flux of all.
+    fn luminous_radiosity(&self, patches: &Patches, links: &[Link], buffer: &mut Buffer) -> (Vec<f64>, f64) {
+        let transport = Transport::new(patches, links);
+        let of_side = |values: &[f64]| -> Vec<f64> {
+            transport.leaves.iter().map(|leaf| values[patches.nodes[*leaf as usize].side as usize]).collect()
+        };
+        let (reflectance, emitted) = (of_side(&self.reflectance), of_side(&self.emission));
+        let values = source::irradiances(patches, self.sources, &transport.leaves);
+        let direct = source::luminous_irradiances(self.sources, &values, transport.leaves.len());
+        let mut lit = vec![0.0; emitted.len()];
+        transport.apply(&emitted, &mut lit, 1, buffer);
+        lit.iter_mut().zip(&direct).for_each(|(h, d)| *h += d);
+        let largest_sum = transport.row_sums(buffer).iter().fold(1.0, |m: f64, s| m.max(*s));
+        // Coarse links may send more than there is.
+        let reflectance = reflectance.iter().map(|r| (r / largest_sum).min(0.9995)).collect();
+        let system = System { transport: &transport, width: 1, reflectance, direct, lit, largest_sum };
+        let solved = match self.settings.bounces {
+            Some(count) => system.bounces(count, buffer),
+            None => system.solve(ROUGH, buffer),
+        };
+        let total: Vec<f64> = solved.reflected.iter().zip(&emitted).map(|(x, e)| x + e).collect();
+        let flux = total.iter().zip(&transport.areas).map(|(b, a)| b * a).sum();
+        let mut nodes = Vec::new();
+        transport.pull(&total, 1, |_| 1.0, &mut nodes);
+        (nodes, flux)
+    }
+}

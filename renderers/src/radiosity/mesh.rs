@@ -1,0 +1,330 @@
+//! Patches: the scene's diffuse and shining surfaces as convex polygons, each the root of a tree of halves.
+
+use glam::{DVec3, Vec3A};
+
+use super::error::RadiosityError;
+use super::polygon::{MOST_PATCH_CORNERS, Polygon};
+use crate::geometry::{Mesh, NO_PRIMITIVE, Parallelogram, Surface, World};
+use crate::scene::{BsdfId, BsdfKind, Emitter, Geometry, Scene, Shape};
+use crate::spectral::{Factor, Palette, Role};
+
+/// No children.
+pub(super) const LEAF: u32 = u32::MAX;
+/// Corners of the regular polygon, of the disk's area, that stands for a disk.
+const DISK_CORNERS: u32 = 24;
+/// How often the faces of an icosahedron are split in four to make the polyhedron, of the sphere's area, that stands for a sphere.
+const SPHERE_LEVELS: u32 = 2;
+/// Lengths below this share of the scene's largest coordinate are 0.
+pub(super) const RELATIVE_SLACK: f64 = 1e-10;
+
+/// What one side of a surface does.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Side {
+    pub(super) reflectance: Factor,
+    /// Its radiance, if it shines.
+    pub(super) emission: Option<Factor>,
+}
+
+/// A patch or a group of them.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Node {
+    pub(super) polygon: Polygon,
+    /// The index of its [`Side`].
+    pub(super) side: u32,
+    /// The primitive that it is a part of.
+    pub(super) primitive: u32,
+    /// The first of its two halves, or [`LEAF`].
+    pub(super) child: u32,
+}
+
+/// All patches, halves after what they are halves of.
+#[derive(Clone, Debug)]
+pub(super) struct Patches {
+    pub(super) nodes: Vec<Node>,
+    pub(super) sides: Vec<Side>,
+    /// How many of the nodes, the first, are roots.
+    pub(super) roots: usize,
+    /// What blocks: every surface, of whatever material.
+    pub(super) world: World,
+    /// The polygon of each primitive of the world.
+    pub(super) blockers: Vec<Polygon>,
+    /// Lengths below this are 0.
+    pub(super) slack: f64,
+}
+
+impl Node {
+    pub(super) const fn children(&self) -> Option<[usize; 2]> {
+        if self.child == LEAF { None } else { Some([self.child as usize, self.child as usize + 1]) }
+    }
+}
+
+impl Patches {
+    /// Makes patches of a scene; its spectra are added to the palette.
+    pub(super) fn new(scene: &Scene, palette: &mut Palette) -> Result<Self, RadiosityError> {
+        let mut surfaces = Vec::new();
+        let (mut blockers, mut sides, mut faces) = (Vec::new(), Vec::new(), Vec::new());
+        for (number, shape) in (0..).zip(&scene.shapes) {
+            let (surface, polygons) = tessellated(&shape.geometry);
+            surfaces.push((number, surface));
+            let of_shape = sides_of(scene, shape, palette)?;
+            let first = sides.len();
+            sides.extend(of_shape.iter().map(|(side, _)| *side));
+            for polygon in polygons {
+                let polygon = polygon.ok_or_else(|| RadiosityError::Degenerate { label: shape.label.clone() })?;
+                let primitive = u32::try_from(blockers.len()).unwrap_or(NO_PRIMITIVE);
+                for (place, (_, front)) in of_shape.iter().enumerate() {
+                    let side = u32::try_from(first + place).unwrap_or(u32::MAX);
+                    faces.push((if *front { polygon } else { polygon.flipped() }, side, primitive));
+                }
+                blockers.push(polygon);
+            }
+        }
+        let world = World::new(&surfaces).map_err(RadiosityError::Geometry)?;
+        let [low, high] = world.bounds();
+        let slack = RELATIVE_SLACK * f64::from(low.abs().max(high.abs()).max_element());
+        let mut nodes = Vec::new();
+        let neighbours = Neighbours::new(&blockers, slack);
+        for (polygon, side, primitive) in faces {
+            for polygon in neighbours.cut(polygon, primitive) {
+                nodes.push(Node { polygon, side, primitive, child: LEAF });
+            }
+        }
+        Ok(Self { roots: nodes.len(), nodes, sides, world, blockers, slack })
+    }
+
+    /// Gives a patch halves, if it has none; false if it is too small for that.
+    pub(super) fn split(&mut self, node: usize) -> bool {
+        let parent = self.nodes[node];
+        if parent.child != LEAF {
+            return true;
+        }
+        let least = 16.0 * self.slack;
+        let Some(halves) = parent.polygon.halves().filter(|halves| halves.iter().all(|h| h.radius > least)) else {
+            return false;
+        };
+        let Ok(child) = u32::try_from(self.nodes.len()) else { return false };
+        self.nodes.extend(halves.map(|polygon| Node { polygon, child: LEAF, ..parent }));
+        self.nodes[node].child = child;
+        true
+    }
+
+    /// The patches without halves, in order.
+    pub(super) fn leaves(&self) -> impl Iterator<Item = usize> + '_ {
+        (0..self.nodes.len()).filter(|n| self.nodes[*n].child == LEAF)
+    }
+}
+
+/// What a shape does on the sides that reflect or shine, each with whether it is the front.
+fn sides_of(scene: &Scene, shape: &Shape, palette: &mut Palette) -> Result<Vec<(Side, bool)>, RadiosityError> {
+    let [front, back] = match &scene.bsdf(shape.bsdf).kind {
+        BsdfKind::TwoSided { front, back } => [Some(*front), Some(*back)],
+        _ => [Some(shape.bsdf), None],
+    };
+    let mut reflectance = |id: Option<BsdfId>| match id.map(|id| scene.bsdf(id)) {
+        None => Ok(Factor { scale: 0.0, leaf: None }),
+        Some(bsdf) => match bsdf.kind {
+            BsdfKind::Diffuse { reflectance } => Ok(palette.factor(scene.spectrum(reflectance), Role::Reflectance)),
+            _ => Err(RadiosityError::Material { label: bsdf.label.clone() }),
+        },
+    };
+    let (front, back) = (reflectance(front)?, reflectance(back)?);
+    let emission = match shape.emitter.map(|id| scene.emitter(id)) {
+        Some(Emitter::Area { radiance, .. }) => Some(palette.factor(scene.spectrum(*radiance), Role::Light)),
+        _ => None,
+    };
+    let sides = [(Side { reflectance: front, emission }, true), (Side { reflectance: back, emission: None }, false)];
+    Ok(sides.into_iter().filter(|(side, _)| side.reflectance.scale > 0.0 || side.emission.is_some()).collect())
+}
+
+/// A shape as the ray kernel takes it, and a polygon for each of its primitives.
+fn tessellated(geometry: &Geometry) -> (Surface, Vec<Option<Polygon>>) {
+    match geometry {
+        Geometry::Rectangle { center, half_u, half_v, normal } => {
+            let (u, v) = if half_u.cross(*half_v).dot(*normal) >= 0.0 { (half_u, half_v) } else { (half_v, half_u) };
+            let corners = [*center - *u - *v, *center + *u - *v, *center + *u + *v, *center - *u + *v];
+            let surface = Surface::Parallelogram(Parallelogram {
+                corner: corners[0].as_vec3a(),
+                edge_u: (*u * 2.0).as_vec3a(),
+                edge_v: (*v * 2.0).as_vec3a(),
+            });
+            (surface, vec![Polygon::new(&corners, *normal)])
+        }
+        Geometry::Disk { center, radius, normal } => triangulated(disk(*center, *radius, *normal)),
+        Geometry::Sphere { center, radius, inward } => triangulated(sphere(*center, *radius, *inward)),
+        Geometry::Mesh(mesh) => triangulated((mesh.positions.clone(), mesh.triangles.clone())),
+    }
+}
+
+fn triangulated((positions, triangles): (Vec<DVec3>, Vec<[u32; 3]>)) -> (Surface, Vec<Option<Polygon>>) {
+    let polygon = |corners: [DVec3; 3]| {
+        let [a, b, c] = corners;
+        Polygon::new(&corners, (b - a).cross(c - a).try_normalize()?)
+    };
+    let polygons = triangles.iter().map(|t| polygon(t.map(|i| positions[i as usize]))).collect();
+    let positions: Vec<Vec3A> = positions.iter().map(|p| p.as_vec3a()).collect();
+    (Surface::Mesh(Mesh { positions, triangles, normals: Vec::new() }), polygons)
+}
+
+/// A regular polygon of the disk's area, as triangles about its centre.
+fn disk(centre: DVec3, radius: f64, normal: DVec3) -> (Vec<DVec3>, Vec<[u32; 3]>) {
+    let (u, v) = normal.any_orthonormal_pair();
+    let step = core::f64::consts::TAU / f64::from(DISK_CORNERS);
+    let reach = radius * (step / step.sin()).sqrt();
+    let rim = (0..DISK_CORNERS).map(|i| {
+        let (sine, cosine) = (step * f64::from(i)).sin_cos();
+        centre + (u * cosine + v * sine) * reach
+    });
+    let triangles = (0..DISK_CORNERS).map(|i| [0, i + 1, (i + 1) % DISK_CORNERS + 1]).collect();
+    (core::iter::once(centre).chain(rim).collect(), triangles)
+}
+
+/// A polyhedron of the sphere's area.
+fn sphere(centre: DVec3, radius: f64, inward: bool) -> (Vec<DVec3>, Vec<[u32; 3]>) {
+    let (mut positions, mut triangles) = icosahedron();
+    for _ in 0..SPHERE_LEVELS {
+        let mut middles = std::collections::HashMap::new();
+        let mut finer = Vec::with_capacity(4 * triangles.len());
+        for [a, b, c] in triangles {
+            let mut middle = |i: u32, j: u32| {
+                *middles.entry((i.min(j), i.max(j))).or_insert_with(|| {
+                    positions.push((positions[i as usize] + positions[j as usize]).normalize());
+                    u32::try_from(positions.len() - 1).unwrap_or(0)
+                })
+            };
+            let (ab, bc, ca) = (middle(a, b), middle(b, c), middle(c, a));
+            finer.extend([[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]]);
+        }
+        triangles = finer;
+    }
+    let corner = |i: u32| positions[i as usize];
+    let area: f64 =
+        triangles.iter().map(|&[a, b, c]| (corner(b) - corner(a)).cross(corner(c) - corner(a)).length()).sum();
+    let scale = radius * (8.0 * core::f64::consts::PI / area).sqrt();
+    let positions = positions.iter().map(|p| centre + *p * scale).collect();
+    if inward {
+        triangles.iter_mut().for_each(|t| t.swap(1, 2));
+    }
+    (positions, triangles)
+}
+
+/// Unit vertices, and faces that run anticlockwise seen from outside.
+fn icosahedron() -> (Vec<DVec3>, Vec<[u32; 3]>) {
+    let golden = f64::midpoint(1.0, 5.0_f64.sqrt());
+    let mut positions = Vec::new();
+    for (a, b) in [(1.0, golden), (-1.0, golden), (1.0, -golden), (-1.0, -golden)] {
+        positions.extend([DVec3::new(0.0, a, b), DVec3::new(a, b, 0.0), DVec3::new(b, 0.0, a)]);
+    }
+    let positions: Vec<DVec3> = positions.into_iter().map(DVec3::normalize).collect();
+    let neighbours = |i: usize, j: usize| positions[i].dot(positions[j]) > 0.4;
+    let mut triangles = Vec::new();
+    for i in 0..12 {
+        for j in (i + 1..12).filter(|j| neighbours(i, *j)) {
+            for k in (j + 1..12).filter(|k| neighbours(i, *k) && neighbours(j, *k)) {
+                let volume = positions[i].dot(positions[j].cross(positions[k]));
+                let [a, b, c] = if volume > 0.0 { [i, j, k] } else { [i, k, j] };
+                triangles.push([a, b, c].map(|x| u32::try_from(x).unwrap_or(0)));
+            }
+        }
+    }
+    (positions, triangles)
+}
+
+/// Where surfaces touch or pass through others, these are cut, so that no patch has light on one side and shadow on the other of a wall
+/// that stands on it (D. R. Baum, S. Mann, K. P. Smith & J. M. Winget, "Making radiosity usable", SIGGRAPH 1991).
+struct Neighbours<'b> {
+    blockers: &'b [Polygon],
+    /// Indices in order of where along x they begin, with that place.
+    order: Vec<(f64, usize)>,
+    widest: f64,
+    slack: f64,
+}
+
+impl<'b> Neighbours<'b> {
+    fn new(blockers: &'b [Polygon], slack: f64) -> Self {
+        let mut order: Vec<(f64, usize)> = blockers.iter().map(|b| b.centre.x - b.radius).zip(0..).collect();
+        order.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let widest = blockers.iter().fold(0.0_f64, |widest, b| widest.max(2.0 * b.radius));
+        Self { blockers, order, widest, slack }
+    }
+
+    /// The pieces of a polygon, which is or was on a primitive.
+    fn cut(&self, polygon: Polygon, primitive: u32) -> Vec<Polygon> {
+        let mut pieces = vec![polygon];
+        let (from, to) =
+            (polygon.centre.x - polygon.radius - self.slack, polygon.centre.x + polygon.radius + self.slack);
+        let first = self.order.partition_point(|(begin, _)| *begin < from - self.widest);
+        for (begin, index) in &self.order[first..] {
+            if *begin > to {
+                break;
+            }
+            let other = &self.blockers[*index];
+            let apart = (other.centre - polygon.centre).length() > other.radius + polygon.radius + self.slack;
+            if *index != primitive as usize && !apart {
+                for segment in self.contact(&polygon, other) {
+                    pieces = pieces.iter().flat_map(|piece| self.cut_along(piece, segment)).collect();
+                }
+            }
+        }
+        pieces.into_iter().flat_map(few_corners).collect()
+    }
+
+    /// The segments of a polygon's plane that another polygon touches.
+    fn contact(&self, polygon: &Polygon, other: &Polygon) -> Vec<[DVec3; 2]> {
+        let height = |x: DVec3| {
+            let height = (x - polygon.centre).dot(polygon.normal);
+            if height.abs() <= self.slack { 0.0 } else { height }
+        };
+        if other.corners().iter().all(|c| height(*c) == 0.0) {
+            return other.edges().collect();
+        }
+        let mut ends: Vec<DVec3> = Vec::new();
+        for [a, b] in other.edges() {
+            let (from, to) = (height(a), height(b));
+            if from == 0.0 {
+                ends.push(a);
+            } else if from * to < 0.0 {
+                ends.push(a + (b - a) * (from / (from - to)));
+            }
+        }
+        match ends[..] {
+            [a, b] => vec![[a, b]],
+            _ => Vec::new(),
+        }
+    }
+
+    /// One or two pieces.
+    fn cut_along(&self, piece: &Polygon, [a, b]: [DVec3; 2]) -> Vec<Polygon> {
+        let Some(along) = (b - a).try_normalize() else { return vec![*piece] };
+        // The part of the segment inside the piece.
+        let (mut from, mut to) = (0.0_f64, (b - a).length());
+        for [c, d] in piece.edges() {
+            let inward = piece.normal.cross(d - c).normalize_or_zero();
+            let (height, slope) = ((a - c).dot(inward) - self.slack, along.dot(inward));
+            if slope.abs() * (to - from) <= self.slack {
+                if height <= 0.0 {
+                    return vec![*piece];
+                }
+            } else if slope > 0.0 {
+                from = from.max(-height / slope);
+            } else {
+                to = to.min(-height / slope);
+            }
+        }
+        if to - from <= self.slack {
+            return vec![*piece];
+        }
+        let across = piece.normal.cross(along);
+        match (piece.above(a, across, self.slack), piece.above(a, -across, self.slack)) {
+            (Some(one), Some(other)) => vec![one, other],
+            _ => vec![*piece],
+        }
+    }
+}
+
+/// Halves until there are few enough corners.
+pub(super) fn few_corners(polygon: Polygon) -> Vec<Polygon> {
+    if polygon.corners().len() <= MOST_PATCH_CORNERS {
+        return vec![polygon];
+    }
+    polygon.halves().map_or_else(|| vec![polygon], |halves| halves.into_iter().flat_map(few_corners).collect())
+}

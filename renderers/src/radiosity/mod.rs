@@ -1,0 +1,291 @@
+//! Radiosity: all light between diffuse surfaces.
+//!
+//! [`Radiosity::new`] makes patches of a scene's diffuse and shining surfaces and links between them; all of that is free of wavelength.
+//! [`Radiosity::solve`] then finds the radiosity of every patch for all components of a spectral representation at once, and
+//! [`Solution::indirect`] the irradiance of reflected light anywhere.
+//!
+//! What is exact and what isn't: form factors where nothing blocks have closed forms (relative error 10⁻¹⁰); whether something blocks is
+//! proven where it can be, and sampled elsewhere; patches have one radiosity each, and links one form factor for a group of patches, split
+//! until the flux that this puts in the wrong place is small. In closed spaces the operator is scaled so that no light is lost. Disks and
+//! spheres are polyhedra of the same area: 24-sided and of 320 triangles. Surfaces that are neither diffuse nor two-sided diffuse are refused.
+
+mod balance;
+mod basis;
+mod build;
+mod contour;
+mod error;
+mod exchange;
+mod gather;
+mod gauss;
+mod light;
+mod link;
+mod mesh;
+mod polygon;
+mod scalar;
+mod shade;
+mod sight;
+mod solution;
+mod solve;
+mod source;
+mod transport;
+
+pub use basis::{Basis, Flat};
+pub use error::RadiosityError;
+pub use light::IndirectRadiosity;
+
+use balance::{Balance, balance};
+use basis::components;
+use build::Builder;
+use mesh::Patches;
+pub use solution::Solution;
+use solve::{Solved, System};
+use source::Source;
+use transport::{Buffer, Transport};
+
+use glam::DVec3;
+
+use crate::scene::{Integrator, Scene};
+use crate::spectral::Palette;
+
+/// Components that are solved for together.
+const BLOCK: usize = 16;
+/// What a solution aims at.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Settings {
+    /// Relative error of irradiance that refinement aims at, about; in (0, 1].
+    pub accuracy: f64,
+    /// The relative error that the iteration may leave, by the bound residual / (1 − ρ); in (0, 1].
+    pub residual: f64,
+    /// The most diffuse reflections of light that reaches a receiver; `None` for no limit.
+    pub bounces: Option<u32>,
+    /// The most memory in bytes.
+    pub memory: usize,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self { accuracy: 3e-3, residual: 1e-8, bounces: None, memory: 2 << 30 }
+    }
+}
+
+impl Settings {
+    /// The same with the limit that a scene asks for: a path of `max_depth` n reaches a receiver by n − 2 diffuse reflections, as the first
+    /// of its segments comes from the eye and the last from a light.
+    #[must_use]
+    pub fn limited_by(mut self, integrator: Integrator) -> Self {
+        self.bounces = match integrator {
+            Integrator::Path { max_depth: None, .. } => self.bounces,
+            Integrator::Path { max_depth: Some(depth), .. } => Some(depth.saturating_sub(2)),
+            _ => Some(0),
+        };
+        self
+    }
+}
+
+/// What came out, for reports.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Report {
+    /// Patches of one radiosity.
+    pub patches: usize,
+    /// Links between patches and groups of them, each for both ways.
+    pub links: usize,
+    /// How many of these are partly blocked, or may be.
+    pub uncertain_links: usize,
+    /// Bytes of the operator and of the patches.
+    pub bytes: usize,
+    /// Share of the patches' area that belongs to closed spaces.
+    pub closed: f64,
+    /// Largest difference from 1 of a patch's sum of form factors in closed spaces, before they were scaled.
+    pub row_sum_error: f64,
+    /// The same afterwards.
+    pub scaled_row_sum_error: f64,
+    /// Steps of the iteration: the most for any component.
+    pub iterations: usize,
+    /// Largest residual, relative to the largest radiosity of the same component.
+    pub residual: f64,
+    /// Bound of the error that the iteration leaves, relative to the largest radiosity: residual / (1 − ρ ΣF); infinite if that is not positive.
+    pub iteration_error: f64,
+    /// (Light sent out − light absorbed − light that leaves) / light sent out: the component where this is worst.
+    pub energy_balance: f64,
+}
+
+/// A₁F₁₂ = ∫∫ cos θ₁ cos θ₂ / (π r²) over two convex planar polygons between which nothing stands, in the square of the length unit: area times
+/// form factor, the same both ways.
+///
+/// Corners run anticlockwise as seen from the front, 3 to 8 of them; parts behind the other's plane don't count, and what lies in it within
+/// 10⁻¹⁰ of the largest coordinate sees nothing of it. `None` for polygons with fewer or more corners, without area or not finite; corners off
+/// their plane or a polygon that isn't convex give a meaningless number. Relative error 10⁻¹² (Sparrow 1963; Schröder & Hanrahan 1993).
+#[must_use]
+pub fn polygon_exchange(one: &[[f64; 3]], other: &[[f64; 3]]) -> Option<f64> {
+    let mut largest = 0.0_f64;
+    let mut polygon = |corners: &[[f64; 3]]| {
+        let corners: Vec<DVec3> = corners.iter().map(|c| DVec3::from_array(*c)).collect();
+        let first = *corners.first()?;
+        largest = corners.iter().fold(largest, |l, c| l.max(c.abs().max_element()));
+        let normal = corners.windows(2).fold(DVec3::ZERO, |n, pair| n + (pair[0] - first).cross(pair[1] - first));
+        polygon::Polygon::new(&corners, normal.try_normalize()?)
+    };
+    let (one, other) = (polygon(one)?, polygon(other)?);
+    Some(exchange::exchange(&one, &other, mesh::RELATIVE_SLACK * largest, 1e-13))
+}
+
+/// The patches of a scene and the transport between them, free of wavelength.
+#[derive(Clone, Debug)]
+pub struct Radiosity {
+    settings: Settings,
+    patches: Patches,
+    sources: Vec<Source>,
+    /// Irradiance from each source on each leaf.
+    lit: Vec<f64>,
+    transport: Transport,
+    balance: Balance,
+    links: usize,
+    uncertain: usize,
+}
+
+impl Radiosity {
+    /// Makes patches and links; the scene's spectra are added to the palette. `progress` is told the share that is done.
+    ///
+    /// The result doesn't depend on the number of threads.
+    ///
+    /// # Errors
+    /// [`RadiosityError`] for what this solver can't do, and for what would take more memory than allowed.
+    pub fn new(
+        scene: &Scene,
+        settings: &Settings,
+        palette: &mut Palette,
+        progress: &(dyn Fn(f64) + Sync),
+    ) -> Result<Self, RadiosityError> {
+        let mut patches = Patches::new(scene, palette)?;
+        if scene.shapes.is_empty() {
+            return Err(RadiosityError::NothingDiffuse);
+        }
+        let sources = Source::all(scene, palette)?;
+        let links = Builder::new(settings, &patches, &sources, palette)?.build(&mut patches, progress)?;
+        let mut buffer = Buffer::default();
+        let mut transport = Transport::new(&patches, &links);
+        let balance = balance(&patches, &links, &mut transport, &mut buffer);
+        let lit = source::irradiances(&patches, &sources, &transport.leaves);
+        let uncertain = links.iter().filter(|l| !l.clear).count();
+        progress(1.0);
+        Ok(Self { settings: *settings, patches, sources, lit, transport, balance, links: links.len(), uncertain })
+    }
+
+    /// The radiosity of all patches, for all components of a representation of the palette's spectra.
+    ///
+    /// # Errors
+    /// [`RadiosityError::NoSolution`] where the surfaces around a closed space reflect everything.
+    pub fn solve<'r>(&'r self, basis: &dyn Basis) -> Result<Solution<'r>, RadiosityError> {
+        let width = basis.width();
+        let leaves = self.transport.leaves.len();
+        let mut reflected = vec![0.0; leaves * width];
+        let mut report = self.report();
+        let mut buffer = Buffer::default();
+        for first in (0..width).step_by(BLOCK) {
+            let block = BLOCK.min(width - first);
+            let (system, emitted) = self.system(basis, first, block, &mut buffer);
+            self.check(&system)?;
+            let solved = match self.settings.bounces {
+                Some(count) => system.bounces(count, &mut buffer),
+                None => system.solve(self.settings.residual, &mut buffer),
+            };
+            self.judge(&system, &emitted, &solved, &mut report, &mut buffer);
+            for (to, from) in reflected.chunks_mut(width).zip(solved.reflected.chunks(block)) {
+                to[first..first + block].copy_from_slice(from);
+            }
+        }
+        Ok(Solution::new(self, width, &reflected, report))
+    }
+
+    fn report(&self) -> Report {
+        Report {
+            patches: self.transport.leaves.len(),
+            links: self.links,
+            uncertain_links: self.uncertain,
+            bytes: self.transport.bytes() + self.patches.nodes.len() * size_of::<mesh::Node>(),
+            closed: self.balance.closed,
+            row_sum_error: self.balance.before,
+            scaled_row_sum_error: self.balance.after,
+            ..Report::default()
+        }
+    }
+
+    /// The system for some components, and the radiosity that lights send out.
+    fn system(&self, basis: &dyn Basis, first: usize, width: usize, buffer: &mut Buffer) -> (System<'_>, Vec<f64>) {
+        let sides = &self.patches.sides;
+        let mut of_sides = vec![[0.0; 2 * BLOCK]; sides.len()];
+        let mut shines = false;
+        for (row, side) in of_sides.iter_mut().zip(sides) {
+            let (reflectance, emission) = row.split_at_mut(BLOCK);
+            components(basis, side.reflectance, first, &mut reflectance[..width]);
+            if let Some(radiance) = side.emission {
+                shines = true;
+                components(basis, radiance, first, &mut emission[..width]);
+                emission.iter_mut().for_each(|e| *e *= core::f64::consts::PI);
+            }
+        }
+        let row = |leaf: &u32| &of_sides[self.patches.nodes[*leaf as usize].side as usize];
+        let leaves = &self.transport.leaves;
+        let reflectance = leaves.iter().flat_map(|leaf| row(leaf)[..width].iter().copied()).collect();
+        let emitted: Vec<f64> = leaves.iter().flat_map(|leaf| row(leaf)[BLOCK..][..width].iter().copied()).collect();
+        let mut lit = vec![0.0; emitted.len()];
+        if shines {
+            self.transport.apply(&emitted, &mut lit, width, buffer);
+        }
+        let mut direct = vec![0.0; emitted.len()];
+        let mut spectrum = vec![0.0; width];
+        for (index, source) in self.sources.iter().enumerate() {
+            components(basis, source.spectrum, first, &mut spectrum);
+            for (row, factor) in direct.chunks_mut(width).zip(self.lit.iter().skip(index).step_by(self.sources.len())) {
+                row.iter_mut().zip(&spectrum).for_each(|(h, s)| *h += factor * s);
+            }
+        }
+        lit.iter_mut().zip(&direct).for_each(|(h, d)| *h += d);
+        let largest_sum = self.balance.largest;
+        (System { transport: &self.transport, width, reflectance, direct, lit, largest_sum }, emitted)
+    }
+
+    /// Refuses closed spaces that reflect everything.
+    fn check(&self, system: &System<'_>) -> Result<(), RadiosityError> {
+        if self.settings.bounces.is_some() || self.balance.closed < 1.0 {
+            return Ok(());
+        }
+        let all = |i: usize| system.reflectance.iter().skip(i).step_by(system.width).all(|r| *r >= 1.0);
+        if !system.reflectance.is_empty() && (0..system.width).any(all) {
+            Err(RadiosityError::NoSolution)
+        } else {
+            Ok(())
+        }
+    }
+
+    /// Notes residual and energy balance.
+    fn judge(&self, system: &System<'_>, emitted: &[f64], solved: &Solved, report: &mut Report, buffer: &mut Buffer) {
+        let width = system.width;
+        report.iterations = report.iterations.max(solved.steps);
+        let mut irradiance = vec![0.0; solved.reflected.len()];
+        self.transport.apply(&solved.reflected, &mut irradiance, width, buffer);
+        let sums = self.transport.row_sums(buffer);
+        for (component, amplification) in system.amplification().into_iter().enumerate() {
+            let (mut sent, mut kept, mut largest) = (0.0, 0.0, 0.0_f64);
+            for (leaf, (area, sum)) in self.transport.areas.iter().zip(&sums).enumerate() {
+                let i = leaf * width + component;
+                let (emission, reflected) = (emitted[i], solved.reflected[i]);
+                let arriving = system.lit[i] + irradiance[i];
+                sent += area * (emission + system.direct[i]);
+                kept += area * (arriving - reflected + (emission + reflected) * (1.0 - sum));
+                largest = largest.max(reflected);
+            }
+            if self.settings.bounces.is_none() && largest > 0.0 {
+                let residual = solved.residual[component] / largest;
+                report.residual = report.residual.max(residual);
+                let bounded = amplification > 1.0 || residual == 0.0;
+                let error = if bounded { residual * amplification } else { f64::INFINITY };
+                report.iteration_error = report.iteration_error.max(error);
+                let balance = (sent - kept) / sent;
+                if balance.abs() >= report.energy_balance.abs() {
+                    report.energy_balance = balance;
+                }
+            }
+        }
+    }
+}

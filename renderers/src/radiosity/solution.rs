@@ -1,0 +1,82 @@
+//! The radiosity of all patches.
+
+use super::{Radiosity, Report};
+
+/// The radiosity of all patches of a scene, for some components of the spectrum.
+#[derive(Clone, Debug)]
+pub struct Solution<'r> {
+    pub(super) radiosity: &'r Radiosity,
+    pub(super) width: usize,
+    /// Reflected radiosity of all nodes, row by row.
+    pub(super) nodes: Vec<f64>,
+    /// For each node, the mean over the components of its radiosity relative to the scene's mean.
+    pub(super) levels: Vec<f64>,
+    /// For each node, the largest range of a component among its leaves, relative to the scene's mean.
+    pub(super) spreads: Vec<f64>,
+    report: Report,
+}
+
+impl<'r> Solution<'r> {
+    pub(super) fn new(radiosity: &'r Radiosity, width: usize, reflected: &[f64], report: Report) -> Self {
+        let transport = &radiosity.transport;
+        let mut nodes = Vec::new();
+        transport.pull(reflected, width, |_| 1.0, &mut nodes);
+        let area: f64 = transport.areas.iter().sum();
+        let mut means = vec![0.0; width];
+        for (row, a) in reflected.chunks(width).zip(&transport.areas) {
+            means.iter_mut().zip(row).for_each(|(m, b)| *m += b * a / area);
+        }
+        let relative = |value: f64, mean: f64| if mean > 0.0 { value / mean } else { 0.0 };
+        #[allow(clippy::cast_precision_loss, reason = "components are few")]
+        let level =
+            |row: &[f64]| row.iter().zip(&means).map(|(b, m)| relative(b.abs(), *m)).sum::<f64>() / width as f64;
+        let levels = nodes.chunks(width).map(level).collect();
+        let spreads = spreads(radiosity, width, &nodes, &means, relative);
+        Self { radiosity, width, nodes, levels, spreads, report }
+    }
+
+    /// How many components of the spectrum there are.
+    pub const fn width(&self) -> usize {
+        self.width
+    }
+
+    /// Patches, links, convergence and balance.
+    pub const fn report(&self) -> &Report {
+        &self.report
+    }
+
+    /// The relative error that was aimed at, with that of the iteration.
+    pub(super) fn relative_error(&self) -> f64 {
+        self.radiosity.settings.accuracy + self.report.iteration_error
+    }
+
+    /// Reflected radiosity of each patch in the unit of the lights' radiance times sr, with the patch's area: one value for each component.
+    pub fn patches(&self) -> impl Iterator<Item = (&[f64], f64)> {
+        let transport = &self.radiosity.transport;
+        let row = |leaf: &u32| &self.nodes[*leaf as usize * self.width..][..self.width];
+        transport.leaves.iter().map(row).zip(transport.areas.iter().copied())
+    }
+}
+
+/// Ranges of relative radiosity among the leaves of each node.
+fn spreads(
+    radiosity: &Radiosity,
+    width: usize,
+    nodes: &[f64],
+    means: &[f64],
+    relative: impl Fn(f64, f64) -> f64,
+) -> Vec<f64> {
+    let tree = &radiosity.patches.nodes;
+    let mut spreads = vec![0.0_f64; tree.len()];
+    for component in 0..width {
+        let mut range = vec![[f64::INFINITY, f64::NEG_INFINITY]; tree.len()];
+        for (index, node) in tree.iter().enumerate().rev() {
+            range[index] = match node.children() {
+                None => [relative(nodes[index * width + component], means[component]); 2],
+                Some([a, b]) => [range[a][0].min(range[b][0]), range[a][1].max(range[b][1])],
+            };
+            spreads[index] = spreads[index].max(range[index][1] - range[index][0]);
+        }
+    }
+    spreads
+}

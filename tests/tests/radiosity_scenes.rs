@@ -1,0 +1,144 @@
+//! Radiosity in scenes with shadows and colours: against paths traced at random, and component by component.
+#![allow(clippy::unwrap_used, reason = "helpers of tests fail by panicking")]
+
+use disk_sampling::Receiver;
+use renderers::direct;
+use renderers::geometry::glam::Vec3A;
+use renderers::geometry::sampling::square_to_cosine_hemisphere;
+use renderers::geometry::{Hit, SurfacePoint, World};
+use renderers::radiosity::{Basis, Flat, IndirectRadiosity, Radiosity, Settings};
+use renderers::scene::{Scene, Source, builtin, load};
+use renderers::spectral::{Components, Palette, UniformBins};
+use spectral_tests::generators::Draw;
+
+/// A room of 2 m, open to −y, with a block on the floor and a lamp under the ceiling; all surfaces reflect the same.
+const RHO: f64 = 0.6;
+
+fn room() -> Scene {
+    let material = format!("<bsdf type='diffuse'><spectrum name='reflectance' value='{RHO}'/></bsdf>");
+    let face = |turn: &str, centre: &str, more: &str| {
+        format!(
+            "<shape type='rectangle'><transform name='to_world'>{turn}<translate {centre}/></transform>{material}{more}</shape>"
+        )
+    };
+    let body = face("", "z='-1'", "")
+        + &face("<rotate x='1' angle='180'/>", "z='1'", "")
+        + &face("<rotate y='1' angle='90'/>", "x='-1'", "")
+        + &face("<rotate y='1' angle='-90'/>", "x='1'", "")
+        + &face("<rotate x='1' angle='90'/>", "y='1'", "")
+        + &face(
+            "<scale value='0.4'/><rotate x='1' angle='180'/>",
+            "z='0.98'",
+            "<emitter type='area'><spectrum name='radiance' value='1'/></emitter>",
+        );
+    let block = format!(
+        "<shape type='cube'><transform name='to_world'><scale x='0.3' y='0.3' z='0.5'/><rotate z='1' angle='20'/>
+        <translate x='0.2' y='0.1' z='-0.5'/></transform>{material}</shape>"
+    );
+    let xml = format!(
+        "<scene version='3.0.0'><sensor type='perspective'><float name='fov' value='40'/></sensor>{body}{block}</scene>"
+    );
+    load(&Source::text("room.xml", xml), &[]).unwrap()
+}
+
+/// Indirect irradiance by random walks that end at the first surface without a front or by absorption: independent of patches, links and
+/// form factors. Mean and standard deviation of the mean.
+fn traced(world: &World, lamp: u32, position: [f64; 3], normal: [f64; 3], paths: u32) -> (f64, f64) {
+    let vector = |v: [f64; 3]| Vec3A::from_array(v.map(|x| x as f32));
+    let start = SurfacePoint::new(vector(position), vector(normal));
+    let mut random = Draw::new(0x5eed);
+    let (mut sum, mut squares) = (0.0, 0.0);
+    for _ in 0..paths {
+        let (mut point, mut normal, mut weight, mut found) = (start, vector(normal), 1.0, 0.0);
+        for bounce in 0..60 {
+            let way = square_to_cosine_hemisphere([random.unit() as f32, random.unit() as f32]);
+            let (u, v) = normal.any_orthonormal_pair();
+            let Some(hit) = world.closest_hit(&point.ray(u * way.x + v * way.y + normal * way.z)) else { break };
+            let hit: Hit = hit;
+            if !hit.front {
+                break;
+            }
+            if hit.shape == lamp && bounce > 0 {
+                found += weight * core::f64::consts::PI;
+            }
+            weight *= RHO;
+            (point, normal) = (hit.point(), hit.geometric_normal);
+        }
+        sum += found;
+        squares += found * found;
+    }
+    let n = f64::from(paths);
+    let mean = sum / n;
+    (mean, ((squares / n - mean * mean) / n).sqrt())
+}
+
+#[test]
+fn agrees_with_random_walks() {
+    let scene = room();
+    let world = direct::world(&scene).unwrap();
+    let settings = Settings { accuracy: 1e-3, ..Settings::default() };
+    let radiosity = Radiosity::new(&scene, &settings, &mut Palette::default(), &|_| {}).unwrap();
+    let solution = radiosity.solve(&Flat).unwrap();
+    for (position, normal) in [
+        ([-0.5, -0.3, -1.0], [0.0, 0.0, 1.0]),
+        // Beside the block, in its shade.
+        ([0.6, 0.4, -1.0], [0.0, 0.0, 1.0]),
+        ([0.2, 0.1, 0.0], [0.0, 0.0, 1.0]),
+        ([-1.0, 0.0, -0.4], [1.0, 0.0, 0.0]),
+        ([0.3, -0.2, 1.0], [0.0, 0.0, -1.0]),
+    ] {
+        let found = solution.indirect(&Receiver::new(position, normal).unwrap())[0];
+        let (exact, deviation) = traced(&world, 5, position, normal, 400_000);
+        // Four standard deviations, and what patches of one radiosity leave.
+        let tolerance = 4.0 * deviation + 0.01 * exact;
+        assert!((found - exact).abs() <= tolerance, "{position:?}: {found}, by paths {exact} ± {deviation}");
+    }
+}
+
+/// One component of another representation.
+struct Single<'b>(&'b dyn Basis, usize);
+
+impl Basis for Single<'_> {
+    fn width(&self) -> usize {
+        1
+    }
+    fn leaf(&self, leaf: u32) -> Option<&[f64]> {
+        self.0.leaf(leaf).map(|values| &values[self.1..=self.1])
+    }
+}
+
+#[test]
+fn one_operator_serves_all_spectra() {
+    let scene = builtin::load("cornell-box", &[]).unwrap();
+    let mut palette = Palette::default();
+    let settings = Settings { accuracy: 3e-2, ..Settings::default() };
+    let radiosity = Radiosity::new(&scene, &settings, &mut palette, &|_| {}).unwrap();
+    let (bins, rgb) = (UniformBins::new(&palette, 81).unwrap(), Components::naive(&palette).unwrap());
+    for (basis, components) in [(&bins as &dyn Basis, [0, 15, 16, 40, 80]), (&rgb, [0, 1, 2, 0, 1])] {
+        let all = radiosity.solve(basis).unwrap();
+        let report = all.report();
+        assert!(report.iteration_error <= 1e-8 && report.energy_balance.abs() <= 1e-8, "{report:?}");
+        for component in components {
+            let single = Single(basis, component);
+            let one = radiosity.solve(&single).unwrap();
+            let largest = one.patches().fold(0.0_f64, |m, (b, _)| m.max(b[0]));
+            for ((b, _), (c, _)) in all.patches().zip(one.patches()) {
+                assert!((b[component] - c[0]).abs() <= 2e-8 * largest, "{component}: {} {}", b[component], c[0]);
+            }
+        }
+    }
+    // Red and green walls: what comes from them is coloured.
+    let solution = radiosity.solve(&rgb).unwrap();
+    let beside = |x: f64| solution.indirect(&Receiver::new([x, 100.0, 250.0], [0.0, 1.0, 0.0]).unwrap());
+    let (left, right) = (beside(540.0), beside(10.0));
+    assert!(left[0] / left[1] > 1.2 * right[0] / right[1], "{left:?} {right:?}");
+    // The meter's interface gives the same light.
+    let solution = radiosity.solve(&bins).unwrap();
+    assert!(IndirectRadiosity::new(&solution, &UniformBins::new(&palette, 4).unwrap()).is_none());
+    let light = IndirectRadiosity::new(&solution, &bins).unwrap();
+    let place = renderers::scene::glam::DVec3::new(270.0, 0.0, 50.0);
+    let found = renderers::illuminance::IndirectLight::irradiance(&light, place, renderers::scene::glam::DVec3::Y);
+    let values = solution.indirect(&Receiver::new(place.to_array(), [0.0, 1.0, 0.0]).unwrap());
+    assert!(found.lux > 0.0 && found.error <= 0.1 * found.lux);
+    assert_eq!(found.spectrum.unwrap().values, values);
+}
