@@ -232,7 +232,7 @@ fn lit_polygon(edges: &Edges) -> Vec<[f64; 3]> {
 /// A receiver, a shadow, the unoccluded and the true configuration factor.
 type Case = (Receiver<f64>, Edges, f64, f64);
 
-/// At least a tenth of the light arrives.
+/// At least a tenth of the light arrives, so that what is lit is not too small to be seen.
 fn shadow_case(rng: &mut Rng, edges: u32) -> Case {
     loop {
         let receiver = receiver(rng);
@@ -256,14 +256,14 @@ fn shadowed<'a>(edges: &'a Edges) -> impl FnMut(&Aim<f64>) -> Response<f64> + 'a
 #[test]
 fn shadows_are_followed() {
     let mut panels = vec![Panel::default(); 1024];
-    for (edges, allowed) in [(1, [0.03, 0.06]), (2, [0.06, 0.1])] {
+    for (edges, allowed) in [(1, [0.02, 0.02]), (2, [0.02, 0.02]), (3, [0.03, 0.1])] {
         let mut rng = Rng::new(31);
         let cases: Vec<_> = (0..500).map(|_| shadow_case(&mut rng, edges)).collect();
-        for (relative, allowed) in REQUESTS.into_iter().zip(allowed) {
+        for ((relative, strata), allowed) in REQUESTS.into_iter().zip([2, 4]).zip(allowed) {
             let mut tally = Tally::default();
             for (receiver, edges, exact, lit) in &cases {
-                let estimate =
-                    ratio(&disk(), receiver, *exact, &request(relative, 2), &mut panels, shadowed(edges)).unwrap();
+                let request = request(relative, strata);
+                let estimate = ratio(&disk(), receiver, *exact, &request, &mut panels, shadowed(edges)).unwrap();
                 tally.add((estimate.value / lit - 1.0).abs(), relative, estimate.samples);
             }
             println!(

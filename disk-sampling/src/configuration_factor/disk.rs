@@ -36,7 +36,8 @@ use crate::vector::{Vector, cross, dot, length};
 /// ```
 pub fn disk_configuration_factor<R: Real>(disk: &Disk<R>, receiver: &Receiver<R>) -> R {
     let Some(view) = View::new(disk, receiver.position()) else { return R::ZERO };
-    view.factor(disk.normal(), receiver.normal())
+    // Edge-on beside the rim, squares that underflow leave 0/0 of a factor that is next to nothing.
+    view.factor(disk.normal(), receiver.normal()).max(R::ZERO)
 }
 
 /// The irradiance vector of a whole disk over π times its radiance: its scalar product with the normal of any receiver that has

@@ -18,10 +18,11 @@ pub(super) const AIM: f64 = 0.5;
 
 /// (1/π) ∫ f cosθ cosθ′/d² dA to a requested relative error, asking for f (emission times visibility) at as few points as will do.
 ///
-/// The disk's visible part is cut into slices whose cosines and distances are integrated without samples; f is sampled by three-point Gauss rules
-/// for that very measure, in each slice and over the slices, and divided where the fall of its coefficients shows an error. Light that is
-/// the same everywhere takes 9 samples wherever the receiver is, near contact and grazing included. Edges of visibility are found by bisection along
-/// the slices, and where a slice first meets one by bisection over the slices.
+/// The disk's visible part is cut into slices, planes through the receiver, in which cosines and distances are integrated without samples; f is
+/// sampled in slices and over slices by nested rules of 3, 7 and 15 points, exact for polynomials times that very measure, and divided where
+/// the changes from rule to rule, or the rule's errors for functions of known mean, show an error. The sum is scaled by the closed form, so that
+/// light that is the same everywhere is exact from 9 samples on wherever the receiver is, near contact and grazing included. Edges of visibility
+/// are found by bisection along the slices, and the slices where their pattern changes by bisection over the slices.
 ///
 /// Domain: all receivers; 0 with no samples behind or in the plane of the disk and below the receiver's horizon. What is smaller than the distance
 /// between samples can be missed: [`Request::strata`] sets the least number. The answer is the best within `panels` and `max_samples`, with a
@@ -66,7 +67,7 @@ fn run<R: Real>(
     exact: Option<R>,
     request: &Request<R>,
     panels: &mut [Panel<R>],
-    respond: impl FnMut(&Aim<R>) -> Response<R>,
+    mut respond: impl FnMut(&Aim<R>) -> Response<R>,
 ) -> Result<Estimate<R>, EstimateError> {
     let relative = request.relative_error;
     if !(relative > R::ZERO && relative < R::ONE) {
@@ -77,7 +78,8 @@ fn run<R: Real>(
         return Err(EstimateError::NoPanels);
     }
     let factor = disk_configuration_factor(disk, receiver);
-    let Some(slices) = Slices::new(disk, receiver) else {
+    let slices = Slices::new(disk, receiver).filter(|_| factor > R::ZERO);
+    let Some(slices) = slices else {
         return from_afar(disk, receiver, factor, exact, respond);
     };
     let tolerance = relative * R::from_f64(SLICE_SHARE);
@@ -85,7 +87,7 @@ fn run<R: Real>(
     let source = Source {
         disk,
         slices,
-        respond,
+        respond: &mut respond,
         samples: 0,
         max_samples,
         tolerance,
@@ -96,7 +98,6 @@ fn run<R: Real>(
         narrow: [None; REMEMBERED],
         next: 0,
     };
-    let exact = exact.unwrap_or(factor);
     let mut panels = Panels::new(panels, factor, source);
     panels.measure_all(strata, relative * R::from_f64(MEASURE_SHARE));
     panels.sample_all()?;
@@ -104,8 +105,14 @@ fn run<R: Real>(
     let status = panels.refine(relative)?;
     let light = panels.light();
     let error = panels.error(light.ratio());
-    let scale = if light.full > R::ZERO { exact / light.full } else { R::ZERO };
     let samples = panels.source.samples;
+    if !(light.full > R::ZERO && light.full.is_finite() && light.lit.is_finite()) {
+        // Seen so nearly edge-on that squares underflow.
+        let estimate = from_afar(disk, receiver, factor, exact, respond)?;
+        return Ok(Estimate { samples: samples + estimate.samples, ..estimate });
+    }
+    let exact = exact.unwrap_or(factor);
+    let scale = exact / light.full;
     Ok(Estimate { value: exact * light.ratio(), error: error * scale, samples, status })
 }
 
@@ -125,7 +132,8 @@ fn from_afar<R: Real>(
     let response = respond(&Aim { on_disk: [R::ZERO; 2], point: disk.centre(), cosine: cosine.max(R::ZERO) });
     response.check()?;
     let value = match exact {
-        Some(exact) => exact * response.visibility,
+        Some(exact) if response.emission > R::ZERO => exact * response.visibility,
+        Some(_) => R::ZERO,
         None => factor * response.emission * response.visibility,
     };
     Ok(Estimate { value, error: R::ZERO, samples: 1, status: Status::Met })

@@ -7,6 +7,14 @@
 //! - [`integrate`] meets a requested relative error for any f and V.
 //! - [`ratio`] also knows the unoccluded value in closed form, and only estimates what share of it arrives.
 //! - [`ratio_of_parts`] does so with a given [partition](crate::partition) instead.
+//!
+//! Accuracy, over random receivers with heights from a thousandth to ten radii, at the rim, grazing and cut by their horizon: uniform light is exact; for
+//! light in proportion to the cosine, up to 0.2 % of receivers are outside a requested 1 %, 0.1 % or 0.01 % (94, 130, 174 samples in the mean), because
+//! what no sample sees cannot be estimated. Shadows with one straight edge: 0.4 % outside 1 % with 2 strata (744 samples), 0.6 % outside 0.1 %
+//! with 4 strata (2017 samples).
+//!
+//! Callers hand in room for [`Panel`]s, 0.9 kB each in `f64`: 16 are enough for smooth light, hundreds for shadows of many edges; a call keeps the parts of one slice on the stack, about 16 kB in
+//! `f64`, half of that in `f32`.
 
 mod adaptive;
 mod panels;

@@ -133,6 +133,9 @@ impl<'a, 'b, R: Real, F: FnMut(&Aim<R>) -> Response<R>> Panels<'a, 'b, R, F> {
 
     /// How far that is from the closed form, relatively.
     fn mismatch(&self) -> R {
+        if self.source.slices.is_blurred {
+            return R::ZERO;
+        }
         let relative = (self.measure() / self.factor - R::ONE).abs();
         if relative <= R::ONE { relative } else { R::ONE }
     }

@@ -11,13 +11,13 @@ const COUNT: [usize; 3] = [3, 7, 15];
 /// Each node not right of the middle with its weights at the three levels, in the order in which levels add them (Patterson 1968, "The optimum addition
 /// of points to quadrature formulae"): exact for polynomials of degree 5, 11 and 23.
 const NODES: [(f64, [f64; 3]); 8] = [
-    (0.0, [8.0 / 9.0, 0.450_916_538_658_474_14, 0.225_510_499_798_206_69]),
+    (0.0, [8.0 / 9.0, 0.450_916_538_658_474_14, 0.225_510_499_798_206_7]),
     (-0.774_596_669_241_483_4, [5.0 / 9.0, 0.268_488_089_868_333_45, 0.134_415_255_243_784_22]),
     (-0.960_491_268_708_020_3, [0.0, 0.104_656_226_026_467_27, 0.051_603_282_997_079_74]),
     (-0.434_243_749_346_802_57, [0.0, 0.401_397_414_775_962_2, 0.200_628_529_376_989_02]),
     (-0.993_831_963_212_755, [0.0, 0.0, 0.017_001_719_629_940_26]),
     (-0.888_459_232_872_257, [0.0, 0.0, 0.092_927_195_315_124_54]),
-    (-0.621_102_946_737_226_4, [0.0, 0.0, 0.171_511_909_136_391_38]),
+    (-0.621_102_946_737_226_4, [0.0, 0.0, 0.171_511_909_136_391_4]),
     (-0.223_386_686_428_966_9, [0.0, 0.0, 0.219_156_858_401_587_5]),
 ];
 
@@ -36,14 +36,14 @@ pub(super) fn node<R: Real>(number: usize) -> (R, [R; 3]) {
 /// Where a node is; 0, 1, 2 are left, middle, right, then come pairs.
 const fn place(number: usize) -> f64 {
     let place = NODES[row(number)].0;
-    if number > 0 && number % 2 == 0 { -place } else { place }
+    if number > 0 && number.is_multiple_of(2) { -place } else { place }
 }
 
 const fn row(number: usize) -> usize {
     match number {
         1 => 0,
         0 | 2 => 1,
-        n if n < NODES_ALL => (n + 1) / 2,
+        n if n < NODES_ALL => n.div_ceil(2),
         _ => 0,
     }
 }
@@ -148,6 +148,10 @@ impl<R: Real> Nested<R> {
     /// Works out what follows from the present level's light; to be called when all of it is set.
     pub(super) fn summarise(&mut self) {
         let measure = self.measure_at(self.density_level);
+        if !(measure > R::ZERO && measure.is_finite()) {
+            self.summary = Summary::default();
+            return;
+        }
         let middle = self.nodes.get(1).copied().unwrap_or_default().light.scaled(measure);
         let mut integrals = [middle; 4];
         let mut weights = [R::ZERO; NODES_ALL];

@@ -153,7 +153,7 @@ impl<R: Real, F: FnMut(&Aim<R>) -> Response<R>> Source<'_, R, F> {
             };
             let middle = (fraction, self.ask(slice, fraction)?);
             let nodes = part.samples;
-            let lower = nodes.iter().filter(|sample| sample.0 < fraction).next_back();
+            let lower = nodes.iter().rfind(|sample| sample.0 < fraction);
             let upper = nodes.iter().find(|sample| sample.0 > fraction);
             let found =
                 [lower.and_then(|lower| between(lower, &middle)), upper.and_then(|upper| between(&middle, upper))];

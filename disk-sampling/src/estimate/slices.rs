@@ -29,6 +29,8 @@ pub(super) struct Slices<R> {
     opening: R,
     /// The largest χ: π, or where the horizon is.
     pub(super) end: R,
+    /// Whether the receiver was raised because it is at the rim.
+    pub(super) is_blurred: bool,
     /// Unit vector across the chords, towards the top, in the disk's frame.
     across: [R; 2],
 }
@@ -42,8 +44,6 @@ pub(super) struct Slice<R> {
     /// Its distance from the receiver; the place across from the disk's middle.
     distance: R,
     pub(super) across: R,
-    /// Distances of its ends.
-    reach: [R; 2],
     /// The angle that it subtends, and ∫ cos²ξ dξ over it.
     angle: R,
     measure: R,
@@ -56,12 +56,16 @@ pub(super) struct Slice<R> {
 impl<R: Real> Slices<R> {
     /// The part of `disk` above the horizon of `receiver`; `None` when there is nothing, behind or in the plane of either, or when the squared
     /// distance overflows. A receiver less than ε² radii over the disk's plane, or on the
-    /// disk itself, is taken to be that high.
+    /// disk itself, is taken to be that high; within 1024 ε radii of the rim, it is taken to be that much over it.
     pub(super) fn new(disk: &Disk<R>, receiver: &Receiver<R>) -> Option<Self> {
         let [x, y, height] = disk.local(receiver.position());
         let [nx, ny, nz] = disk.direction(receiver.normal());
-        let floor = R::EPSILON * R::EPSILON;
-        let is_over = height > R::ZERO || (height == R::ZERO && x.hypot(y) < R::ONE);
+        // So close to the rim, where it is differs from chord to chord by rounding.
+        let blur = R::from_f64(1024.0) * R::EPSILON;
+        let at_rim = (x.hypot(y) - R::ONE).abs() <= blur;
+        let is_blurred = at_rim && height < blur;
+        let floor = if at_rim { blur } else { R::EPSILON * R::EPSILON };
+        let is_over = height > R::ZERO || (height == R::ZERO && x.hypot(y) <= R::ONE + blur);
         let height = if is_over { height.max(floor) } else { height };
         let limit = R::MAX.sqrt() * R::from_f64(0.01);
         if !(height > R::ZERO && x.abs().max(y.abs()).max(height) < limit) {
@@ -94,6 +98,7 @@ impl<R: Real> Slices<R> {
             growth,
             lift: nz * height,
             opening,
+            is_blurred,
             end,
             across,
         })
@@ -121,7 +126,7 @@ impl<R: Real> Slices<R> {
         let reach = ends.map(|end| norm(end, distance));
         let angle = (R::TWO * half * distance).atan2(distance * distance + ends[0] * ends[1]);
         let slant = self.height / distance;
-        let mut slice = Slice { ends, half, distance, across, reach, angle, slant, measure: R::ZERO, mass: R::ZERO };
+        let mut slice = Slice { ends, half, distance, across, angle, slant, measure: R::ZERO, mass: R::ZERO };
         slice.measure = slice.measure_between(ends, reach, angle);
         let turn = self.opening * sin * cos;
         slice.mass = (cosine / distance).max(R::ZERO) * slice.measure * turn / R::PI;
