@@ -1,5 +1,6 @@
 //! Estimates to a requested relative error: 10 000 random receivers, shadows, extremes, refusals.
 #![allow(clippy::unwrap_used, reason = "the input is constant")]
+#![allow(clippy::print_stdout, reason = "the tables are results")]
 
 use core::f64::consts::TAU;
 
@@ -191,8 +192,8 @@ fn references_agree_with_the_cubature() {
             continue;
         }
         count += 1;
-        for index in 0..EMISSIONS.len() {
-            let expected = plain_sum(&receiver, EMISSIONS[index].1, samples.iter().copied());
+        for (index, (_, emission)) in EMISSIONS.into_iter().enumerate() {
+            let expected = plain_sum(&receiver, emission, samples.iter().copied());
             let found = reference(&receiver, index, &mut panels);
             assert!((found / expected - 1.0).abs() <= 1e-6, "{index} {receiver:?}: {found} {expected}");
         }

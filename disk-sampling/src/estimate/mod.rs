@@ -13,8 +13,8 @@
 //! what no sample sees cannot be estimated. Shadows with one straight edge: 0.4 % outside 1 % with 2 strata (744 samples), 0.6 % outside 0.1 %
 //! with 4 strata (2017 samples).
 //!
-//! Callers hand in room for [`Panel`]s, 0.9 kB each in `f64`: 16 are enough for smooth light, hundreds for shadows of many edges; a call keeps the parts of one slice on the stack, about 16 kB in
-//! `f64`, half of that in `f32`.
+//! Callers hand in room for [`Panel`]s, 0.9 kB each in `f64`: 16 are enough for smooth light, hundreds for shadows of many edges. A call keeps
+//! the parts of one slice on the stack, about 16 kB in `f64`; `f32` takes half of both.
 
 mod adaptive;
 mod panels;
