@@ -2,16 +2,18 @@
 //!
 //! - `cargo test --manifest-path fuzz/Cargo.toml` replays the seeds and thousands of their mutations, on any compiler.
 //! - `cargo +nightly fuzz run scene_xml fuzz/corpus/scene_xml fuzz/seeds/scene_xml` looks for new ones, likewise `spectrum_file`,
-//!   `ies_file`, `ldt_file` and `expression`.
+//!   `ies_file`, `ldt_file`, `radiance` and `expression`.
 //! - `cargo run --manifest-path fuzz/Cargo.toml --bin scene_xml FILE…` runs a target on files, such as the fuzzer's finds.
 
 mod expression;
 mod photometry;
+mod radiance;
 mod scene;
 mod spectrum;
 
 pub use expression::expression;
 pub use photometry::{ies_file, ldt_file};
+pub use radiance::radiance;
 pub use scene::scene_xml;
 pub use spectrum::spectrum_file;
 

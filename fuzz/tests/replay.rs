@@ -126,6 +126,11 @@ fn ldt_file() {
 }
 
 #[test]
+fn radiance() {
+    replay(spectral_fuzz::radiance, &seeds("radiance"), 300_000, 7);
+}
+
+#[test]
 fn expression() {
     let mut inputs = seeds("expression");
     // Any bytes are an expression.

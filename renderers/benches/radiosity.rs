@@ -2,7 +2,7 @@
 //!
 //! The cube is CIE 171 5.8 at ρ = 0.95 with 400 points; the Cornell box is solved for 81 bins at several accuracies, without points.
 
-#![allow(clippy::expect_used, clippy::print_stderr, reason = "the scenes are constants")]
+#![allow(clippy::expect_used, clippy::cast_precision_loss, reason = "the scenes are constants")]
 
 fn main() {
     divan::main();

@@ -62,14 +62,45 @@ fn answers_points_in_their_order() {
     assert!(shown.contains("3 points: min 0, mean ") && shown.contains("not asked for"), "{shown}");
 }
 
+/// A disk that shines down on a white floor: what the floor sends back to a receiver that looks down from the light's centre.
+const LIT_FLOOR: &str = "<scene version='3.0.0'><integrator type='path'><integer name='max_depth' value='3'/></integrator>
+    <sensor type='perspective'><float name='fov' value='40'/></sensor>
+    <shape type='disk'><transform name='to_world'><scale value='0.01'/><rotate x='1' angle='180'/><translate z='1'/></transform>
+    <bsdf type='diffuse'><spectrum name='reflectance' value='0'/></bsdf>
+    <emitter type='area'><spectrum name='radiance' value='1'/></emitter></shape>
+    <shape type='rectangle'><transform name='to_world'><scale value='40'/></transform>
+    <bsdf type='diffuse'><spectrum name='reflectance' value='0.5'/></bsdf></shape></scene>";
+
+#[test]
+fn light_between_surfaces_is_found_where_the_scene_asks_for_it() {
+    let scene = file("lit_floor.xml", LIT_FLOOR);
+    let answer = json(&[scene.to_str().unwrap(), "--points", "-", "--accuracy", "1e-3"], "0,0,2,0,0,-1");
+    let point = &answer["points"][0];
+    assert!(answer["indirect"] == "radiosity" && point["direct_lux"] == 0.0, "{answer}");
+    // With a = 1, b = 2 the heights of light and receiver and I the light's intensity, the floor sends up
+    // (ρ/π) ∫ I cos⁴/a² · cos⁴/b² dA = ρ I 2 ∫ a² b² s ds / ((s² + a²)² (s² + b²)²), in closed form by x = s².
+    let (a2, b2) = (1.0_f64, 4.0_f64);
+    let d = b2 - a2;
+    let integral = a2 * b2 * ((1.0 / a2 + 1.0 / b2) / (d * d) - 2.0 * (b2 / a2).ln() / (d * d * d));
+    let intensity = core::f64::consts::PI * 1e-4 * 683.002 * 106.856_399;
+    let expected = 0.5 * intensity * integral;
+    let found = point["indirect_lux"].as_f64().unwrap();
+    let stated = point["error"].as_f64().unwrap();
+    assert!((found - expected).abs() <= stated && stated <= 0.01 * expected, "{found} ± {stated}, exact {expected}");
+}
+
 #[test]
 fn says_when_indirect_light_is_missing() {
-    let scene = file("deep.xml", SCENE);
-    let arguments = [scene.to_str().unwrap(), "-D", "depth=-1", "--points", "-"];
-    let answer = json(&arguments, "0,0,0,0,0,1");
-    assert!(answer["indirect"] == "not computed" && answer["points"][0]["indirect_lux"] == Value::Null, "{answer}");
-    let shown = String::from_utf8(run(&arguments, "0,0,0,0,0,1").stdout).unwrap();
-    assert!(shown.contains("indirect: not computed"), "{shown}");
+    let floor = "<bsdf type='diffuse'><spectrum name='reflectance' value='0.5'/></bsdf>";
+    let mirror = LIT_FLOOR.replace(floor, "<bsdf type='conductor'><string name='material' value='Ag'/></bsdf>");
+    let scene = file("mirror.xml", &mirror);
+    let arguments = [scene.to_str().unwrap(), "--points", "-"];
+    let answer = json(&arguments, "0,0,0.5,0,0,1");
+    let point = &answer["points"][0];
+    assert!(answer["indirect"].as_str().unwrap().starts_with("not computed: "), "{answer}");
+    assert!(point["indirect_lux"] == Value::Null && point["lux"] == point["direct_lux"], "{answer}");
+    let shown = String::from_utf8(run(&arguments, "0,0,0.5,0,0,1").stdout).unwrap();
+    assert!(shown.contains("indirect: not computed: ") && shown.contains("direct part alone"), "{shown}");
 }
 
 #[test]

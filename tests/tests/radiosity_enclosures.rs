@@ -36,11 +36,11 @@ fn lamp(position: [f64; 3]) -> String {
 }
 
 /// A side² grid of points on each face of the cube, nearer to each other at the edges, each with its share of the area: the midpoint
-/// rule in t, where x is −2 + 4 t² (3 − 2t), which is good at the edges, where irradiance changes like s ln s.
+/// rule in t, where x is −2 + 4 t³ (6t² − 15t + 10), which is good at the edges, where irradiance changes like s ln s.
 fn points_on_cube(side: u32) -> Vec<(Receiver<f64>, f64)> {
     let along = |i: u32| {
         let t = (f64::from(i) + 0.5) / f64::from(side);
-        (4.0 * t * t * (3.0 - 2.0 * t) - 2.0, 6.0 * t * (1.0 - t) / f64::from(side))
+        (4.0 * t.powi(3) * (t * (6.0 * t - 15.0) + 10.0) - 2.0, 30.0 * (t * (1.0 - t)).powi(2) / f64::from(side))
     };
     let mut points = Vec::new();
     for (axis, sign) in [(0, 1.0), (0, -1.0), (1, 1.0), (1, -1.0), (2, 1.0), (2, -1.0)] {
@@ -65,7 +65,7 @@ fn build(scene: &Scene, settings: &Settings) -> Radiosity {
 
 #[test]
 fn a_cube_keeps_all_light_at_every_reflectance() {
-    for rho in [0.0, 0.05, 0.3, 0.5, 0.7, 0.8, 0.9, 0.95, 0.99, 0.999] {
+    for rho in [0.0, 0.05, 0.3, 0.7, 0.95, 0.999] {
         for place in [[0.0; 3], [1.2, 0.7, -1.1]] {
             let radiosity = build(&cube(rho, &lamp(place)), &Settings::default());
             let solution = radiosity.solve(&Flat).unwrap();
@@ -76,7 +76,7 @@ fn a_cube_keeps_all_light_at_every_reflectance() {
             let report = solution.report();
             assert!(report.energy_balance.abs() <= 1e-8 && report.iteration_error <= 1e-8, "{rho}: {report:?}");
             assert!(rho == 0.0 || (report.closed == 1.0 && report.uncertain_links == 0), "{rho}: {report:?}");
-            let mean: f64 = points_on_cube(32).iter().map(|(p, share)| share * solution.indirect(p)[0]).sum();
+            let mean: f64 = points_on_cube(24).iter().map(|(p, share)| share * solution.indirect(p)[0]).sum();
             assert!((mean - exact).abs() <= 5e-4 * exact, "{rho}: {mean} {exact} {:e}", mean / exact - 1.0);
         }
     }

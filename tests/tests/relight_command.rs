@@ -86,9 +86,10 @@ fn alpha_goes_from_the_classical_operator_to_the_tensor() {
     let classical = file("classical.exr", "--operator classical");
     assert!(file("zero.exr", "--alpha 0,0,0") == classical);
     assert!(file("some.exr", "--alpha 0.1,0,0") != classical);
-    let own = answer(&folder, &format!("in.exr own.exr {LIGHTS}"))["alpha"].to_string();
-    let again = answer(&folder, &format!("in.exr again.exr {LIGHTS} --alpha {}", own.trim_matches(['[', ']'])));
-    assert!(again["alpha"].to_string() == own, "{again}");
+    let own = &answer(&folder, &format!("in.exr own.exr {LIGHTS}"))["alpha"];
+    let again =
+        answer(&folder, &format!("in.exr again.exr {LIGHTS} --alpha {}", own.to_string().trim_matches(['[', ']'])));
+    assert_eq!(&again["alpha"], own);
 }
 
 #[test]

@@ -1,6 +1,7 @@
 //! Relighting as in figure 7 of Granier and Damez (2004), from a light of (0.4, 0.9, 1.0) to one of (1.0, 0.9, 0.1), of pictures
 //! that are rendered spectrally under both lights, so that the right answer is known.
 #![allow(clippy::panic, clippy::unwrap_used, reason = "helpers of tests fail by panicking")]
+#![allow(clippy::print_stdout, reason = "the table of errors, shown with --nocapture")]
 
 use std::fs;
 use std::path::Path;

@@ -5,7 +5,7 @@ use core::f64::consts::PI;
 
 use renderers::render::{Options, Spectra, render};
 use renderers::scene::{Scene, Source, load};
-use renderers::spectral::{IntervalSettings, Palette, Radiance, Tracer};
+use renderers::spectral::{FactorOrder, IntervalSettings, Palette, Radiance, Tracer};
 use renderers::whitted::{Whitted, Worker};
 use spectral_core::colour::rgb::linear_rgb_to_xyz;
 
@@ -169,7 +169,7 @@ const HALF_DIGIT: f64 = 5e-6;
 fn through_glass(scene: &Scene, wavelength: f64) -> f64 {
     let mut palette = Palette::default();
     let whitted = Whitted::new(scene, [1, 1], &mut palette).unwrap();
-    let mut worker = Worker::new(&whitted);
+    let mut worker = Worker::new(&whitted, FactorOrder::Free);
     let mut radiance = Radiance::default();
     worker.start_pixel();
     worker.sample(0.5, 0.5, 1.0, &mut radiance);

@@ -8,7 +8,7 @@ use renderers::geometry::{
     Disk, Hit, Mesh, NO_PRIMITIVE, Parallelogram, Ray, Shaft, ShaftEnd, Sphere, Surface, SurfacePoint, World,
 };
 use renderers::scene::builtin;
-use renderers::spectral::{Palette, Radiance, Tracer};
+use renderers::spectral::{FactorOrder, Palette, Radiance, Tracer};
 use renderers::whitted::{Whitted, Worker};
 use spectral_tests::statistics::Rng;
 
@@ -374,7 +374,7 @@ type Gathered = Vec<(Vec<u32>, f64)>;
 
 /// The light gathered for each pixel, in the order of `pixels`: numbers of products depend on it, their leaves don't.
 fn gather(scene: &Whitted, pixels: impl Iterator<Item = (u32, u32)>) -> HashMap<(u32, u32), Gathered> {
-    let mut worker = Worker::new(scene);
+    let mut worker = Worker::new(scene, FactorOrder::Free);
     let sample = |(x, y): (u32, u32)| {
         let mut radiance = Radiance::default();
         worker.start_pixel();

@@ -28,7 +28,8 @@ pub(super) struct Arguments {
     /// Judge the answers of another program: a file of lines case,point,value.
     #[arg(long, value_name = "RESULTS")]
     score: Option<PathBuf>,
-    /// Photometric files of CIE 171:2006 cases 4.1-4.6: cfl-1.ies to cfl-4.ies, opal-1.ies ..., ssr-1.ies ... (or .ldt).
+    /// Photometric files of CIE 171:2006 cases 4.1-4.6: cfl-1.ies to cfl-4.ies, opal-1.ies ..., ssr-1.ies ... (or
+    /// .ldt).
     #[arg(long, value_name = "DIR")]
     photometry: Option<PathBuf>,
 }

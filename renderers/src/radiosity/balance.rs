@@ -1,13 +1,14 @@
-//! Closed spaces lose no light.
+//! Patches receive from all around them what they must.
 //!
-//! In a closed space the form factors of each patch add up to 1. Links take them as constant over groups of patches, and visibility is
-//! sampled: sums are a little off, and what multiple reflections make of that grows like 1/(1 − ρ). The symmetric scaling D G D with
-//! the positive diagonal D that gives all sums their value (R. Sinkhorn, Ann. Math. Statist. 35, 1964) keeps reciprocity and puts that
-//! right: the total of the light is then exact, whatever the mesh.
+//! The form factors of a patch add up to the share of its hemisphere that patches fill: 1 in a closed space. Links take form factors as
+//! constant over groups of patches, and visibility is sampled: sums are off, and what multiple reflections make of that grows like
+//! 1/(1 − ρ). The symmetric scaling D G D with the positive diagonal D that gives all sums their value (R. Sinkhorn, Ann. Math. Statist.
+//! 35, 1964) keeps reciprocity and puts that right: in closed spaces the total of the light is then exact, whatever the mesh.
 
 use rayon::prelude::*;
 
-use super::mesh::Patches;
+use super::exchange::exchange;
+use super::mesh::{LEAF, Patches};
 use super::sight::{spread, surface_point};
 use super::transport::{Buffer, Link, Transport};
 use crate::geometry::glam::Vec3A;
@@ -18,7 +19,13 @@ const RAYS: usize = 1 << 14;
 /// Sums further from 1 than this are not of a closed space, whatever rays say.
 const FURTHEST: f64 = 0.75;
 const ROUNDS: usize = 200;
-/// When sums are near enough to 1.
+/// Rounds end when the largest error falls by less: at rounding, or where patches may not be scaled any more.
+const SLOW: f64 = 0.98;
+/// The most by which a patch is scaled.
+const MOST_SCALE: f64 = 2.0;
+/// Relative error of the form factors that sums are made of.
+const TOLERANCE: f64 = 1e-5;
+/// When sums are near enough to what they should be.
 const NEAR: f64 = 4e-15;
 
 /// How well light is kept.
@@ -51,32 +58,67 @@ pub(super) fn balance(patches: &Patches, links: &[Link], transport: &mut Transpo
         open[group_of(&mut groups, *leaf)] |= !((sum - 1.0).abs() <= FURTHEST);
     }
     let closed: Vec<bool> = transport.leaves.iter().map(|leaf| !open[group_of(&mut groups, *leaf)]).collect();
+    let targets = targets(patches, links, transport, &closed);
     let off = |sums: &[f64]| {
-        sums.iter()
-            .zip(&closed)
-            .filter(|(_, closed)| **closed)
-            .fold(0.0_f64, |off, (sum, _)| off.max((sum - 1.0).abs()))
+        let closed = sums.iter().zip(&closed).filter(|(_, closed)| **closed);
+        closed.fold(0.0_f64, |off, (sum, _)| off.max((sum - 1.0).abs()))
     };
     let before = off(&sums);
+    let mut worst = f64::INFINITY;
     for _ in 0..ROUNDS {
-        let excess = sums
-            .iter()
-            .zip(&closed)
-            .fold(0.0_f64, |most, (sum, closed)| most.max(if *closed { (sum - 1.0).abs() } else { sum - 1.0 }));
-        if excess <= NEAR {
+        let pairs = || sums.iter().zip(&targets).filter(|(sum, target)| **sum > 0.0 && **target > 0.0);
+        let off = pairs().fold(0.0_f64, |most, (sum, target)| most.max((sum / target - 1.0).abs()));
+        if off <= NEAR || off > SLOW * worst {
             break;
         }
-        for ((scale, sum), closed) in transport.scale.iter_mut().zip(&sums).zip(&closed) {
-            // No patch anywhere receives more than all around it send.
-            if *closed || *sum > 1.0 {
-                *scale /= sum.sqrt();
+        worst = off;
+        for ((scale, sum), target) in transport.scale.iter_mut().zip(&sums).zip(&targets) {
+            if *sum > 0.0 && *target > 0.0 {
+                *scale = (*scale * (target / sum).sqrt()).clamp(1.0 / MOST_SCALE, MOST_SCALE);
             }
         }
         sums = transport.row_sums(buffer);
     }
     let total: f64 = transport.areas.iter().sum();
-    let area: f64 = transport.areas.iter().zip(&closed).filter(|(_, closed)| **closed).map(|(a, _)| a).sum();
+    let area: f64 = transport.areas.iter().zip(&closed).map(|(a, closed)| if *closed { *a } else { 0.0 }).sum();
     Balance { closed: area / total, before, after: off(&sums), largest: sums.iter().fold(0.0, |m, s| s.max(m)) }
+}
+
+/// What the form factors of each leaf add up to: 1 in closed spaces; elsewhere the sum of its own factors to all that it and the groups it is in
+/// are linked to, where links have those of the groups.
+fn targets(patches: &Patches, links: &[Link], transport: &Transport, closed: &[bool]) -> Vec<f64> {
+    if closed.iter().all(|closed| *closed) {
+        return vec![1.0; closed.len()];
+    }
+    let mut parents = vec![LEAF; patches.nodes.len()];
+    for (parent, node) in (0..).zip(&patches.nodes) {
+        node.children().into_iter().flatten().for_each(|child| parents[child] = parent);
+    }
+    let mut of_node = vec![Vec::new(); patches.nodes.len()];
+    for link in links.iter().filter(|link| link.seen > 0.0) {
+        of_node[link.p as usize].push((link.q, link));
+        of_node[link.q as usize].push((link.p, link));
+    }
+    let target = |(leaf, closed): (&u32, &bool)| {
+        if *closed {
+            return 1.0;
+        }
+        let own = &patches.nodes[*leaf as usize].polygon;
+        let (mut sum, mut node) = (0.0, *leaf);
+        while node != LEAF {
+            for (other, link) in &of_node[node as usize] {
+                let direct = if node == *leaf {
+                    link.exchange
+                } else {
+                    exchange(own, &patches.nodes[*other as usize].polygon, patches.slack, TOLERANCE)
+                };
+                sum += direct * link.seen;
+            }
+            node = parents[node as usize];
+        }
+        (sum / own.area).min(1.0)
+    };
+    transport.leaves.par_iter().zip(closed).map(target).collect()
 }
 
 /// The root of each node.

@@ -14,6 +14,8 @@ pub(super) const LEAF: u32 = u32::MAX;
 const DISK_CORNERS: u32 = 24;
 /// How often the faces of an icosahedron are split in four to make the polyhedron, of the sphere's area, that stands for a sphere.
 const SPHERE_LEVELS: u32 = 2;
+/// Surfaces nearer to each other than this share of their radii are in contact as far as light and shadow go.
+const CLOSE: f64 = 0.1;
 /// Lengths below this share of the scene's largest coordinate are 0.
 pub(super) const RELATIVE_SLACK: f64 = 1e-10;
 
@@ -274,8 +276,11 @@ impl<'b> Neighbours<'b> {
             let height = (x - polygon.centre).dot(polygon.normal);
             if height.abs() <= self.slack { 0.0 } else { height }
         };
-        if other.corners().iter().all(|c| height(*c) == 0.0) {
-            return other.edges().collect();
+        // What is parallel and as good as in contact, such as a lamp under a ceiling, parts light from shadow along its outline.
+        let near = other.corners().iter().all(|c| height(*c).abs() <= CLOSE * other.radius.min(polygon.radius));
+        if near {
+            let flat = |c: DVec3| c - polygon.normal * height(c);
+            return other.edges().map(|edge| edge.map(flat)).collect();
         }
         let mut ends: Vec<DVec3> = Vec::new();
         for [a, b] in other.edges() {

@@ -6,7 +6,8 @@
 //!
 //! What is exact and what isn't: form factors where nothing blocks have closed forms (relative error 10⁻¹⁰); whether something blocks is
 //! proven where it can be, and sampled elsewhere; patches have one radiosity each, and links one form factor for a group of patches, split
-//! until the flux that this puts in the wrong place is small. In closed spaces the operator is scaled so that no light is lost. Disks and
+//! until the flux that this puts in the wrong place is small. The operator is scaled so that each patch receives from
+//! all around it what it must, and that in closed spaces no light is lost. Disks and
 //! spheres are polyhedra of the same area: 24-sided and of 320 triangles. Surfaces that are neither diffuse nor two-sided diffuse are refused.
 
 mod balance;
@@ -52,7 +53,8 @@ const BLOCK: usize = 16;
 /// What a solution aims at.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settings {
-    /// Relative error of irradiance that refinement aims at, about; in (0, 1].
+    /// Relative error of irradiance that refinement aims at; in (0, 1]. It is no bound: in a cube with a point light the largest error found at
+    /// 600 places was 3 times that, in an open room with a block and a lamp close to the ceiling 5 times (at 0.003).
     pub accuracy: f64,
     /// The relative error that the iteration may leave, by the bound residual / (1 − ρ); in (0, 1].
     pub residual: f64,

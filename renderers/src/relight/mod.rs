@@ -1,7 +1,7 @@
 //! Relighting of high-dynamic-range pictures: each pixel is divided by the light that it was made under, and multiplied by another.
 //!
 //! [`relight`] takes a picture from one file to another, `OpenEXR` or Radiance, some rows at a time, so that memory
-//! doesn't grow with the picture. The product and its division are those of a [`Tensor`](spectral_core::bilinear::Tensor): the
+//! doesn't grow with the picture. The product and its division are those of a [`Tensor`]: the
 //! classical one, component by component, or the bilinear one of Granier and Damez (2004, section 7.2), which keeps more
 //! of the appearance of colours.
 //!

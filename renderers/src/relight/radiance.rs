@@ -135,8 +135,7 @@ impl RadianceHeader {
         let line = next_line(&mut input)?;
         let text = String::from_utf8_lossy(&line);
         header.resolution = Resolution::parse(&text).ok_or_else(|| {
-            let shown: String = text.chars().take(60).collect();
-            Refused::Damaged(format!("no picture size can be read from `{shown}` (sides up to {MAX_SIDE})"))
+            Refused::Damaged(format!("no picture size can be read from `{}` (sides up to {MAX_SIDE})", shown(&text)))
         })?;
         Ok(header)
     }
@@ -153,7 +152,7 @@ impl RadianceHeader {
             "FORMAT" if value == "32-bit_rle_xyze" => {
                 return Err(Refused::Unsupported("colours in XYZ (FORMAT=32-bit_rle_xyze)".to_owned()));
             }
-            "FORMAT" => return Err(Refused::Unsupported(format!("FORMAT={value}"))),
+            "FORMAT" => return Err(Refused::Unsupported(format!("FORMAT={}", shown(value)))),
             "EXPOSURE" => multiply([&mut self.exposure], name, value)?,
             "PIXASPECT" => multiply([&mut self.pixel_aspect], name, value)?,
             "COLORCORR" => {
@@ -182,7 +181,12 @@ impl From<io::Error> for Refused {
 }
 
 fn unreadable(name: &str, value: &str) -> Refused {
-    Refused::Damaged(format!("{name}={value} in the header"))
+    Refused::Damaged(format!("{name}={} in the header", shown(value)))
+}
+
+/// The beginning of a text of the file, fit for a line.
+fn shown(text: &str) -> String {
+    text.chars().take(60).map(|c| if c.is_control() { ' ' } else { c }).collect()
 }
 
 /// A line without its end.
@@ -192,7 +196,7 @@ fn next_line(input: &mut impl BufRead) -> Result<Vec<u8>, Refused> {
     if line.pop() != Some(b'\n') {
         return Err(Refused::Damaged("the file ends within the header".to_owned()));
     }
-    if line.last() == Some(&b'\r') {
+    while line.last() == Some(&b'\r') {
         line.pop();
     }
     Ok(line)

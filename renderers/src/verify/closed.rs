@@ -33,13 +33,13 @@ pub(super) fn cases() -> Vec<Case> {
 
 /// CIE 171 5.8: a cube of 4 m with an isotropic point of 10 000 lm in the middle, 20 × 20 points on the floor.
 ///
-/// The thesis takes the plain mean of a regular grid of 20 × 20 points, which by itself overstates the mean of light reflected
-/// once by 0.134 % (the walls' edges are dark). Here the points are Gauss–Legendre nodes, whose weighted mean is right to
-/// 4·10⁻⁶ (both by numerical integration of light reflected once).
+/// The thesis takes the plain mean of a regular grid of 20 × 20 points, which by itself overstates the mean of light
+/// reflected once by 0.134 % (the walls' edges are dark). Here the points are Gauss–Legendre nodes, whose weighted mean
+/// is right to 4·10⁻⁶ (both by numerical integration of light reflected once).
 ///
-/// The mean indirect illuminance over a side is Φ ρ / (A (1 − ρ)): by symmetry it is the same on all sides, and of the flux
-/// Φ the walls absorb all, hence (E_direct + E_indirect) A (1 − ρ) = Φ. The direct part Φ cos θ / (4 π d²) is subtracted in
-/// closed form, so that a program need only answer the illuminance at the points.
+/// The mean indirect illuminance over a side is Φ ρ / (A (1 − ρ)): by symmetry it is the same on all sides, and of the
+/// flux Φ the walls absorb all, hence (E_direct + E_indirect) A (1 − ρ) = Φ. The direct part Φ cos θ / (4 π d²) is
+/// subtracted in closed form, so that a program need only answer the illuminance at the points.
 fn cube(reflectance: f64, printed: &str, decimals: i32) -> Case {
     const FLUX: f64 = 10_000.0;
     let intensity = FLUX / (4.0 * PI);
@@ -88,8 +88,8 @@ fn cube(reflectance: f64, printed: &str, decimals: i32) -> Case {
     Case { name: format!("cie-171.5.8.{reflectance:.2}"), about, model, points, work: Work::Global, checks }
 }
 
-/// Closed, every surface with the same exitance M on its own and the same reflectance: E = M / (1 − ρ) everywhere, whatever the
-/// orientation.
+/// Closed, every surface with the same exitance M on its own and the same reflectance: E = M / (1 − ρ) everywhere,
+/// whatever the orientation.
 fn furnace(reflectance: f64, sphere: bool) -> Case {
     const EXITANCE: f64 = 100.0;
     let mut model = Model::default();

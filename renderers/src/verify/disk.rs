@@ -132,8 +132,8 @@ fn printed() -> Vec<Case> {
 }
 
 /// The share of misses when samples are spread over their parts, which is the part of the square or hexagon outside the
-/// disk: 9.0546 and 3.7233 %. Table 2.1 prints 9.06 and 3.72 as the expected error with dj = 1; the former is rounded up, so
-/// that the print is allowed a whole unit.
+/// disk: 9.0546 and 3.7233 %. Table 2.1 prints 9.06 and 3.72 as the expected error with dj = 1; the former is rounded
+/// up, so that the print is allowed a whole unit.
 fn jittered() -> impl Iterator<Item = Case> {
     let rows = [(Method::Square, 64, 4.0, 9.06), (Method::Hexagon, 96, 6.0, 3.72)];
     rows.into_iter().map(|(method, count, sides, printed)| {
@@ -157,7 +157,8 @@ fn jittered() -> impl Iterator<Item = Case> {
     })
 }
 
-/// Each method as constructed without any of the tricks that make it fast; tolerance: rounding of a sum of `count` terms.
+/// Each method as constructed without any of the tricks that make it fast; tolerance: rounding of a sum of `count`
+/// terms.
 fn construction(name: &str, setup: &Setup, sampling: Sampling) -> Case {
     let samples = sample_positions(sampling);
     let receiver = ([0.0; 3], [0.0, 0.0, 1.0]);
@@ -181,7 +182,8 @@ fn on_axis(table: &str, setup: &Setup, printed: f64, decimals: i32) -> Case {
     setup.case(format!("disk-light.{table}"), "Any program; 0.1 % asked for.", Work::Direct, checks)
 }
 
-/// Receivers on and off the axis, tilted, clipped by their horizon, grazing and near contact, under the disk r = h = 1 m.
+/// Receivers on and off the axis, tilted, clipped by their horizon, grazing and near contact, under the disk r = h = 1
+/// m.
 fn receivers() -> Case {
     let mut case = WIDE.case("disk-light.receivers".into(), "", Work::Direct, Vec::new());
     case.about = "Disk of 1 m radius and 5000 lm (Lambertian) 1 m above the origin, facing down; receivers at distance off the \

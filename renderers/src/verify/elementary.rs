@@ -1,7 +1,7 @@
 //! Laws of single lights: inverse square, cosine, and area lights with closed forms.
 //!
-//! The area lights stand for section 5.3 of CIE 171:2006 (a Lambertian rectangle over a parallel and beside a perpendicular
-//! plane). The report's own geometry is not public: sizes and positions here are this bench's own.
+//! The area lights stand for section 5.3 of CIE 171:2006 (a Lambertian rectangle over a parallel and beside a
+//! perpendicular plane). The report's own geometry is not public: sizes and positions here are this bench's own.
 
 use core::f64::consts::PI;
 

@@ -22,9 +22,9 @@ impl core::fmt::Display for ExportError {
 
 impl core::error::Error for ExportError {}
 
-/// Writes each case that is a scene into its own folder below `folder`: `scene.xml` and `places.txt` for Mitsuba 3, `scene.rad`
-/// and `points.txt` for Radiance, as far as each can say it; besides, `points.csv` with all points and `README.md` with the
-/// commands. Returns the files.
+/// Writes each case that is a scene into its own folder below `folder`: `scene.xml` and `places.txt` for Mitsuba 3,
+/// `scene.rad` and `points.txt` for Radiance, as far as each can say it; besides, `points.csv` with all points and
+/// `README.md` with the commands. Returns the files.
 ///
 /// # Errors
 /// [`ExportError`] for the first file or folder that can't be written.

@@ -12,8 +12,8 @@ const LIFT: f64 = 2e-5;
 /// How far the meter is from the patch, m.
 const REACH: f64 = 1e-3;
 
-/// The scene for this project's own reader, lights in photometric quantities. Files of luminaires are named by their index:
-/// `luminaire-0`, `luminaire-1` …, with the extension kept.
+/// The scene for this project's own reader, lights in photometric quantities. Files of luminaires are named by their
+/// index: `luminaire-0`, `luminaire-1` …, with the extension kept.
 #[must_use]
 pub fn own_scene(model: &Model, work: &Work) -> String {
     let mut xml = head(None);
@@ -53,12 +53,12 @@ pub fn luminaire_name(index: usize, file: &std::path::Path) -> String {
     format!("luminaire-{index}.{extension}")
 }
 
-/// The scene for Mitsuba 3; numbers are photometric (a radiance of 1 is 1 cd/m²). `None` if a light can't be said in plain
-/// Mitsuba.
+/// The scene for Mitsuba 3; numbers are photometric (a radiance of 1 is 1 cd/m²). `None` if a light can't be said in
+/// plain Mitsuba.
 ///
-/// The parameter `place` is a point's frame ([`place`]). A small white patch lies there, and a radiance meter looks at it: π
-/// times what it reads is illuminance. Mitsuba's irradiance meters find no light but what a random ray hits, so that points
-/// and parallel light are dark to them; and meters of one scene would shade each other.
+/// The parameter `place` is a point's frame ([`place`]). A small white patch lies there, and a radiance meter looks at
+/// it: π times what it reads is illuminance. Mitsuba's irradiance meters find no light but what a random ray hits, so
+/// that points and parallel light are dark to them; and meters of one scene would shade each other.
 #[must_use]
 pub fn plain_scene(model: &Model, first: &SensorPoint, about: &str, depth: i32) -> Option<String> {
     let mut xml = head(Some((about, depth, first)));
@@ -150,7 +150,8 @@ fn meter() -> String {
     )
 }
 
-/// The frame of a point as the 16 numbers of a matrix, row by row: its normal is the third column, its position the last.
+/// The frame of a point as the 16 numbers of a matrix, row by row: its normal is the third column, its position the
+/// last.
 #[must_use]
 pub fn place(point: &SensorPoint) -> String {
     let (u, v) = frame(point.normal);

@@ -112,7 +112,8 @@ impl Model {
         self.surfaces.push(Surface { shape, reflectance, exitance: 0.0 });
     }
 
-    /// Adds a closed box seen from inside; reflectances in the order floor, ceiling, walls at low x, high x, low y, high y.
+    /// Adds a closed box seen from inside; reflectances in the order floor, ceiling, walls at low x, high x, low y,
+    /// high y.
     pub fn room(&mut self, low: Vec3, high: Vec3, reflectances: [f64; 6]) {
         let [floor, ceiling, walls @ ..] = reflectances;
         let sides = [(2, 1.0, floor), (2, -1.0, ceiling), (0, 1.0, walls[0]), (0, -1.0, walls[1]), (1, 1.0, walls[2])];
@@ -141,8 +142,8 @@ fn box_side(low: Vec3, high: Vec3, axis: usize, facing: f64, inside: bool) -> Sh
     Shape::Rectangle { centre, half_u, half_v }
 }
 
-/// A rectangle in the plane `axis` = `at`, spanning the ranges of the next two axes (cyclically), its front facing along
-/// `facing` times the axis.
+/// A rectangle in the plane `axis` = `at`, spanning the ranges of the next two axes (cyclically), its front facing
+/// along `facing` times the axis.
 #[must_use]
 pub fn flat(axis: usize, at: f64, first: [f64; 2], second: [f64; 2], facing: f64) -> Shape {
     let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);

@@ -11,8 +11,8 @@ const POINT_RADIUS: f64 = 0.01;
 const SUN_ANGLE: f64 = 1.0;
 
 /// The scene; numbers are photometric (a radiance of 1 is 1 cd/m², in all three channels alike), so that any channel of
-/// `rtrace -I` is illuminance in lx. `None` if something can't be said in Radiance: surfaces that shine and reflect, and
-/// photometric files, which `ies2rad` converts.
+/// `rtrace -I` is illuminance in lx. `None` if something can't be said in Radiance: surfaces that shine and reflect,
+/// and photometric files, which `ies2rad` converts.
 #[must_use]
 pub fn scene(model: &Model, about: &str) -> Option<String> {
     let mut rad = format!("# {about}\n");

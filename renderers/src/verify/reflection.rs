@@ -1,15 +1,15 @@
 //! CIE 171:2006 test cases 5.6 and 5.7: light from one diffuse surface, seen past nothing or past an obstruction.
 //!
 //! The text of the thesis gives sizes but its positions are in figures. They were recovered by matching the printed
-//! factors, all of which follow to the last digit (tests below): S1-v at x = 0 faces +x and carries A–F on its middle line
-//! at heights 0.25, 0.75, … 2.75 m (in 5.7 from the top down); S1-hz carries G–N (in 5.7 G–K) on its middle line at
-//! x = 0.25, 0.75, … m, at 3 m height facing down (in 5.7 on the floor facing up). S2 is the floor at 0 m: 0.5 m square in
-//! the middle of 4 m (scenario 1), all of the 4 m square (2; its point A is excluded), 500 m square from x = 4 m (3). In 5.7
-//! S2 is the wall at x = 4 m, 4 m wide and 3 m high, and the obstruction stands on the floor from x = 2.5 to 2.7 m, 1 m high
-//! and 4 m wide.
+//! factors, all of which follow to the last digit (tests below): S1-v at x = 0 faces +x and carries A–F on its middle
+//! line at heights 0.25, 0.75, … 2.75 m (in 5.7 from the top down); S1-hz carries G–N (in 5.7 G–K) on its middle line
+//! at x = 0.25, 0.75, … m, at 3 m height facing down (in 5.7 on the floor facing up). S2 is the floor at 0 m: 0.5 m
+//! square in the middle of 4 m (scenario 1), all of the 4 m square (2; its point A is excluded), 500 m square from x =
+//! 4 m (3). In 5.7 S2 is the wall at x = 4 m, 4 m wide and 3 m high, and the obstruction stands on the floor from x =
+//! 2.5 to 2.7 m, 1 m high and 4 m wide.
 //!
-//! S1 are perfect absorbers that hide nothing, so they are not modelled. The distant light comes from behind S1-v's front
-//! and from above S1-hz's front, so that it can't reach a point directly; in 5.7 it comes steeply from above the
+//! S1 are perfect absorbers that hide nothing, so they are not modelled. The distant light comes from behind S1-v's
+//! front and from above S1-hz's front, so that it can't reach a point directly; in 5.7 it comes steeply from above the
 //! obstruction, and a black roof over x < 2 m, above every line of sight, keeps it off the floor.
 
 use super::case::{Case, Check, Provenance, Reduction, Standing, Tolerance, Work, half_printed_unit};
@@ -108,9 +108,9 @@ fn third() -> Scenario {
 
 /// The height on S2 below which the obstruction hides it from a point (x, z) on the middle line.
 ///
-/// The obstruction is as wide as S2 and nearer, so it hides a strip over S2's whole width: seen from x < 2.5 m, a line to
-/// S2 at |y| ≤ 2 m crosses the obstruction's planes at a smaller |y|. Of its two upper edges, at 2.5 and 2.7 m, the one
-/// that reaches higher in the line of sight counts.
+/// The obstruction is as wide as S2 and nearer, so it hides a strip over S2's whole width: seen from x < 2.5 m, a line
+/// to S2 at |y| ≤ 2 m crosses the obstruction's planes at a smaller |y|. Of its two upper edges, at 2.5 and 2.7 m, the
+/// one that reaches higher in the line of sight counts.
 fn hidden_below(x: f64, z: f64) -> f64 {
     let edge = |at: f64| z + (1.0 - z) * (4.0 - x) / (at - x);
     edge(2.5).max(edge(2.7)).clamp(0.0, 3.0)

@@ -1,17 +1,18 @@
 //! CIE 171:2006 test cases 4.1–4.6: a measured room with four luminaires and 49 points.
 //!
-//! The room is 6.78 m × 6.72 m × 3.24 m. Luminaires and points are "regularly spaced" in a figure that the text lacks; taken
-//! here are the middles of 2 × 2 and of 7 × 7 equal parts of the floor plan, points at 0.8 m. With a Lambertian light this
-//! follows the measured values of case 4.5 to 3 % rms (a free fit of both spacings: 2.7 %, with 1.02 m × 0.98 m between points
-//! instead of 0.97 m × 0.96 m).
+//! The room is 6.78 m × 6.72 m × 3.24 m. Luminaires and points are "regularly spaced" in a figure that the text lacks;
+//! taken here are the middles of 2 × 2 and of 7 × 7 equal parts of the floor plan, points at 0.8 m. With a Lambertian
+//! light this follows the measured values of case 4.5 to 3 % rms (a free fit of both spacings: 2.7 %, with 1.02 m ×
+//! 0.98 m between points instead of 0.97 m × 0.96 m).
 //!
-//! The limits are those that the thesis prints (tables 1.1–1.6 and A.1–A.6). It states them as m ± 2 · 0.067 m (measurement
-//! band), m ± 2 · 0.105 m (total error band) and m ± 2 · 0.063 m (mean room illuminance); but the printed numbers follow
-//! m ± 13 %, m ± 21 % and m ± 12 %, that is 2 · 0.065 and 2 · 0.060: with these, all 294 points have an m that rounds to
-//! all four printed limits, save two misprints (see [`MISPRINTS`]); with the stated factors, 140 points have none.
+//! The limits are those that the thesis prints (tables 1.1–1.6 and A.1–A.6). It states them as m ± 2 · 0.067 m
+//! (measurement band), m ± 2 · 0.105 m (total error band) and m ± 2 · 0.063 m (mean room illuminance); but the printed
+//! numbers follow m ± 13 %, m ± 21 % and m ± 12 %, that is 2 · 0.065 and 2 · 0.060: with these, all 294 points have an
+//! m that rounds to all four printed limits, save two misprints (see [`MISPRINTS`]); with the stated factors, 140
+//! points have none.
 //!
-//! The luminaires' photometry is not public. Without it an isotropic point, a Lambertian disk and a Lambertian square stand
-//! in: their figures inform and decide nothing.
+//! The luminaires' photometry is not public. Without it an isotropic point, a Lambertian disk and a Lambertian square
+//! stand in: their figures inform and decide nothing.
 
 use core::f64::consts::PI;
 use std::path::Path;
@@ -72,8 +73,8 @@ const FLOOR: f64 = 0.06;
 
 /// The six cases; with a folder of photometry the luminaires come from its files and the limits decide.
 ///
-/// The folder holds `cfl-1.ies` … `cfl-4.ies`, `opal-1.ies` … and `ssr-1.ies` …, or the same as `.ldt`; a kind of which all
-/// four are there is judged, others keep their stand-ins.
+/// The folder holds `cfl-1.ies` … `cfl-4.ies`, `opal-1.ies` … and `ssr-1.ies` …, or the same as `.ldt`; a kind of which
+/// all four are there is judged, others keep their stand-ins.
 #[must_use]
 pub(super) fn cases(photometry: Option<&Path>) -> Vec<Case> {
     ROOMS.iter().map(|room| room.case(photometry)).collect()
@@ -196,8 +197,8 @@ fn entry(case: &str, row: &str, name: &str, column: usize) -> Option<f64> {
     found.get(column + 2)?.parse().ok()
 }
 
-/// The measured illuminance in lx behind the four limits of a point: the middle of the values that round to all of them,
-/// [`MISPRINTS`] left out. `None` if there is no such value.
+/// The measured illuminance in lx behind the four limits of a point: the middle of the values that round to all of
+/// them, [`MISPRINTS`] left out. `None` if there is no such value.
 fn measured(case: &str, row: usize, column: usize) -> Option<f64> {
     let bands = [
         ("total_error_upper", 1.0 + TOTAL_ERROR_BAND),

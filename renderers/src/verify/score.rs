@@ -76,8 +76,8 @@ impl Answers {
         Self::parse(&file, &String::from_utf8_lossy(&bytes), cases)
     }
 
-    /// Reads the text of a file of answers: lines `case,point,value`; empty lines, lines that start with `#` and a first
-    /// line `case,point,value` are passed over.
+    /// Reads the text of a file of answers: lines `case,point,value`; empty lines, lines that start with `#` and a
+    /// first line `case,point,value` are passed over.
     ///
     /// # Errors
     /// [`ScoreError`] with the line at fault.

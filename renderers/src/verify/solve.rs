@@ -83,8 +83,8 @@ fn by_meter(
     case.points.iter().map(read).collect()
 }
 
-/// Reflected light in scenes where all surfaces are grey and all lights have one spectrum, as in the cases: one component
-/// stands for the whole spectrum.
+/// Reflected light in scenes where all surfaces are grey and all lights have one spectrum, as in the cases: one
+/// component stands for the whole spectrum.
 struct Grey<'r> {
     solution: Solution<'r>,
     /// Illuminance for an irradiance of 1 times the lights' spectrum, lx.
@@ -156,7 +156,8 @@ fn by_method(case: &Case, sampling: Sampling, point: Vec3, normal: Vec3) -> Resu
     Ok(Answer { illuminance: Some(illuminance), samples: Some(samples), seconds: Some(start.elapsed().as_secs_f64()) })
 }
 
-/// Illuminance to a requested error: behind a screen by the ratio estimator, else by integration without the closed form.
+/// Illuminance to a requested error: behind a screen by the ratio estimator, else by integration without the closed
+/// form.
 fn by_request(case: &Case, requested: Requested, point: &super::SensorPoint) -> Result<Answer, String> {
     let mut panels = vec![Panel::default(); 4096];
     let start = Instant::now();
@@ -184,8 +185,8 @@ fn by_request(case: &Case, requested: Requested, point: &super::SensorPoint) -> 
 
 /// The share in per cent of fully jittered samples that miss the disk.
 ///
-/// The random numbers are a Kronecker sequence of the plastic number ρ = 1.3247…, (n/ρ, n/ρ²) mod 1: even, and in no relation
-/// to the parts' edges.
+/// The random numbers are a Kronecker sequence of the plastic number ρ = 1.3247…, (n/ρ, n/ρ²) mod 1: even, and in no
+/// relation to the parts' edges.
 fn misses(sampling: Sampling) -> Result<Answer, String> {
     const TRIALS: u32 = 1 << 16;
     const PLASTIC: f64 = 1.324_717_957_244_746;
