@@ -1,5 +1,7 @@
 //! The `spectral` command.
 
+extern crate alloc;
+
 mod command;
 
 fn main() -> std::process::ExitCode {

@@ -96,8 +96,20 @@ fn photometry_from_files_is_judged() {
     }
     assert_eq!(judged, 1 + 49);
     assert_eq!(code, Some(i32::from(from_files.iter().any(|row| row["pass"] == false))));
-    let missing = verify(&["--photometry", folder.join("none").to_str().unwrap()]);
-    assert_eq!(missing.status.code(), Some(2));
+    let refused = |folder: &std::path::Path, part: &str| {
+        let output = verify(&["cie-171.4.4", "--photometry", folder.to_str().unwrap()]);
+        let said = String::from_utf8(output.stderr).unwrap();
+        assert!(output.status.code() == Some(2) && said.lines().count() == 1 && said.contains(part), "{said}");
+    };
+    refused(&folder.join("none"), "no such folder");
+    std::fs::write(folder.join("cfl-3.ies"), "IESNA:LM-63-2002\nTILT=NONE\nnothing\n").unwrap();
+    refused(&folder, "cfl-3.ies:3");
+    std::fs::remove_file(folder.join("cfl-3.ies")).unwrap();
+    refused(&folder, "cfl-3.ies or .ldt is missing");
+    for number in [1, 2, 4] {
+        std::fs::remove_file(folder.join(format!("cfl-{number}.ies"))).unwrap();
+    }
+    refused(&folder, "no photometric files");
 }
 
 #[test]

@@ -4,7 +4,7 @@
 //! with f = V = 1 the configuration factor. f is what the light sends towards the receiver, relative to that radiance, V the visibility; both are
 //! given as a closure that is asked for single points of the disk ([`Aim`]). Disk and cosines are integrated without asking it.
 //!
-//! - [`integrate`] meets a requested relative error for any f and V.
+//! - [`integrate`] aims at a requested relative error for any f and V, by its own estimate of it.
 //! - [`ratio`] also knows the unoccluded value in closed form, and only estimates what share of it arrives.
 //! - [`ratio_of_parts`] does so with a given [partition](crate::partition) instead.
 //!

@@ -22,7 +22,7 @@ const SPECTRUM: (u16, u16, u16) = (380, 780, 1);
 /// Equal bins over the visible range for light between surfaces.
 const BINS: usize = 81;
 /// Steps of the progress bar.
-const STEPS: u64 = 1000;
+const STEPS: u32 = 1000;
 
 /// What `spectral illuminance` takes.
 #[derive(Debug, Args)]
@@ -74,11 +74,11 @@ impl Arguments {
     fn radiosity(&self, scene: &Scene) -> Result<(Radiosity, UniformBins), String> {
         let mut palette = Palette::default();
         let settings = radiosity::Settings { accuracy: self.accuracy, ..radiosity::Settings::default() };
-        let bar = Progress::new("radiosity", STEPS);
+        let bar = Progress::new("radiosity", u64::from(STEPS));
         let done = AtomicU64::new(0);
         let advance = |share: f64| {
             #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a share of some steps")]
-            let now = (share.clamp(0.0, 1.0) * STEPS as f64) as u64;
+            let now = (share.clamp(0.0, 1.0) * f64::from(STEPS)) as u64;
             bar.add(now.saturating_sub(done.fetch_max(now, Ordering::Relaxed)));
         };
         let settings = settings.limited_by(scene.integrator);

@@ -67,9 +67,13 @@ impl Arguments {
     fn photometry(&self) -> Result<Option<&Path>, Failure> {
         let folder = self.photometry.as_deref();
         match folder {
-            Some(folder) if !folder.is_dir() => Err(Failure(format!("{}: no such folder", folder.display()))),
-            _ => Ok(folder),
+            Some(folder) if !folder.is_dir() => {
+                return Err(Failure(format!("{}: no such folder", folder.display())));
+            }
+            Some(folder) => verify::check_photometry(folder).map_err(Failure)?,
+            None => {}
         }
+        Ok(folder)
     }
 
     /// The cases whose names, or the names of whose checks, begin as asked.
@@ -208,7 +212,7 @@ fn summary(results: &[(&Case, Vec<Outcome>)]) -> String {
 const HEADINGS: [&str; 8] = ["check", "reference", "computed", "error", "tolerance", "samples", "time", "result"];
 
 fn details(case: &Case, outcomes: &[Outcome]) -> String {
-    let quantities: std::collections::BTreeSet<_> = outcomes.iter().map(|outcome| outcome.quantity).collect();
+    let quantities: alloc::collections::BTreeSet<_> = outcomes.iter().map(|outcome| outcome.quantity).collect();
     let mut table = Table::new(HEADINGS);
     for outcome in outcomes {
         let own = outcome.name.strip_prefix(&case.name).map_or("", |name| name.trim_start_matches('.'));

@@ -4,6 +4,8 @@ use core::fmt;
 
 use glam::DVec3;
 
+use crate::geometry::MAX_COORDINATE;
+
 /// A place and a direction for which illuminance is asked.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Point {
@@ -78,6 +80,9 @@ fn point(fields: &[&str]) -> Result<Point, String> {
     };
     let position = DVec3::new(number(x)?, number(y)?, number(z)?);
     let normal = DVec3::new(number(nx)?, number(ny)?, number(nz)?);
+    if position.abs().max_element() > f64::from(MAX_COORDINATE) {
+        return Err(format!("a coordinate is beyond {MAX_COORDINATE:e}"));
+    }
     if normal == DVec3::ZERO {
         return Err("the normal is zero".to_owned());
     }
@@ -108,6 +113,7 @@ mod tests {
         for (text, said) in [
             ("", "p.csv: no points in it"),
             ("x,y,z,nx,ny,nz\n", "p.csv: no points in it"),
+            ("0,0,0,0,0,1\n1e300,0,0,0,0,1\n", "p.csv:2: a coordinate is beyond 1e12"),
             ("0,0,0,0,0,1\n1,2,3\n", "p.csv:2: expected six numbers, x, y, z, nx, ny, nz, and not 3"),
             ("0,0,0,0,0,1,\n", "p.csv:1: expected six numbers, x, y, z, nx, ny, nz, and not 7"),
             ("0,0,0,0,0,1\nx,y,z,nx,ny,nz\n", "p.csv:2: \"x\" is not a finite number"),

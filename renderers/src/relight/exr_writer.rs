@@ -8,7 +8,7 @@ use ::exr::compression::Compression;
 use ::exr::error::Error as Codec;
 use ::exr::math::Vec2;
 use ::exr::meta::attribute::{ChannelDescription, Chromaticities, LineOrder, SampleType, Text};
-use ::exr::meta::header::Header;
+use ::exr::meta::header::{Header, standard_names};
 use ::exr::meta::{BlockDescription, MetaData};
 use ::exr::prelude::SmallVec;
 use rayon::prelude::*;
@@ -43,7 +43,15 @@ impl ExrPlan {
         let mut plan = Self::of([source.layer_size.width(), source.layer_size.height()], others.cloned());
         let mut own = source.own_attributes.clone();
         own.preview = None;
-        plan.header = plan.header.with_attributes(own).with_shared_attributes(source.shared_attributes.clone());
+        let mut shared = source.shared_attributes.clone();
+        // Standard names with values of another type can be read, but not written again.
+        for &name in standard_names::ALL {
+            if let Some(name) = core::str::from_utf8(name).ok().and_then(Text::new_or_none) {
+                own.other.remove(&name);
+                shared.other.remove(&name);
+            }
+        }
+        plan.header = plan.header.with_attributes(own).with_shared_attributes(shared);
         plan
     }
 

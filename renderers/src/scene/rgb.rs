@@ -29,12 +29,12 @@ pub(crate) fn parse(node: Node<'_>, role: Role) -> Result<SpectrumKind, SceneErr
         &[value] => Ok(bare_number(value, role)),
         &[r, g, b] if r == g && g == b => Ok(bare_number(r, role)),
         &[r, g, b] => coloured(node, [r, g, b], role),
-        other => Err(node.error(format!("<rgb> holds one or three numbers, not {}", other.len()))),
+        other => Err(node.error(format!("expected one or three numbers, not {}", other.len()))),
     }
 }
 
 fn coloured(node: Node<'_>, rgb: [f64; 3], role: Role) -> Result<SpectrumKind, SceneError> {
-    let fail = |error: UpsamplingError| node.error(format!("<rgb>: {error}"));
+    let fail = |error: UpsamplingError| node.error(error.to_string());
     match role {
         Role::Fraction => {
             let upsampler = REFLECTANCES.as_ref().map_err(|error| node.error(error.to_string()))?;

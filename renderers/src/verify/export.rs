@@ -1,11 +1,13 @@
 //! Cases as files for other programs.
 
 use core::fmt::Write as _;
+use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 use super::case::{Case, Work};
 use super::radiance::spaced;
 use super::{mitsuba, radiance};
+use crate::image::{ImageError, write_atomic};
 
 /// A file that could not be written.
 #[derive(Debug)]
@@ -74,7 +76,10 @@ fn write(path: &Path, text: &str) -> Result<PathBuf, ExportError> {
     if let Some(parent) = path.parent() {
         std::fs::create_dir_all(parent).map_err(refuse)?;
     }
-    std::fs::write(path, text).map_err(refuse)?;
+    write_atomic(path, |file| file.write_all(text.as_bytes())).map_err(|error| match error {
+        ImageError::Io { source, .. } => refuse(source),
+        other => refuse(std::io::Error::other(other.to_string())),
+    })?;
     Ok(path.to_owned())
 }
 

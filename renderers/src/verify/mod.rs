@@ -59,7 +59,7 @@ pub use case::{
 pub use disk::{Method, Requested, Sampling};
 pub use export::{ExportError, export};
 pub use model::{Light, Model, SensorPoint, Shape, Surface, Vec3, flat};
-pub use rooms::{MEAN_BAND, MEASUREMENT_BAND, MISPRINTS, TOTAL_ERROR_BAND};
+pub use rooms::{MEAN_BAND, MEASUREMENT_BAND, MISPRINTS, TOTAL_ERROR_BAND, check_photometry};
 pub use score::{Answers, ScoreError, ScoreFault};
 pub use solve::solve;
 

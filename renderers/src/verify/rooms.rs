@@ -80,6 +80,29 @@ pub(super) fn cases(photometry: Option<&Path>) -> Vec<Case> {
     ROOMS.iter().map(|room| room.case(photometry)).collect()
 }
 
+/// Reads all photometric files of a folder that the cases take, so that what is wrong with them is said first.
+///
+/// # Errors
+/// A line that names the file, or the one that is missing: each kind needs four, and there must be one kind.
+pub fn check_photometry(folder: &Path) -> Result<(), String> {
+    let mut complete = false;
+    for room in &ROOMS {
+        let files: Vec<_> = (1..=4).map(|number| room.file(folder, number)).collect();
+        if files.iter().all(Option::is_none) {
+            continue;
+        }
+        for (number, file) in (1..).zip(files) {
+            let file = file.ok_or_else(|| {
+                format!("{}: {}-{number}.ies or .ldt is missing beside others", folder.display(), room.luminaire)
+            })?;
+            crate::luminaire::read(&file).map_err(|error| error.to_string())?;
+        }
+        complete = true;
+    }
+    let none = || format!("{}: no photometric files (cfl-1.ies to cfl-4.ies, opal-…, ssr-…)", folder.display());
+    if complete { Ok(()) } else { Err(none()) }
+}
+
 impl Room {
     fn case(&self, photometry: Option<&Path>) -> Case {
         let files = photometry.and_then(|folder| self.files(folder));
@@ -117,11 +140,13 @@ impl Room {
     }
 
     fn files(&self, folder: &Path) -> Option<[std::path::PathBuf; 4]> {
-        let find = |number: usize| {
-            let named = |extension: &str| folder.join(format!("{}-{number}.{extension}", self.luminaire));
-            [named("ies"), named("ldt")].into_iter().find(|path| path.is_file())
-        };
+        let find = |number| self.file(folder, number);
         Some([find(1)?, find(2)?, find(3)?, find(4)?])
+    }
+
+    fn file(&self, folder: &Path, number: usize) -> Option<std::path::PathBuf> {
+        let named = |extension: &str| folder.join(format!("{}-{number}.{extension}", self.luminaire));
+        [named("ies"), named("ldt")].into_iter().find(|path| path.is_file())
     }
 
     const fn stand_in(&self) -> &'static str {
