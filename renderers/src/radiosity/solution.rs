@@ -1,6 +1,13 @@
 //! The radiosity of all patches.
 
+use super::basis::{Basis, components};
+use super::mesh::Side;
 use super::{Radiosity, Report};
+use crate::spectral::Factor;
+
+/// What sampled visibility leaves in open spaces, where no sum of form factors is known beforehand: the most found in the Cornell box, in the
+/// gap between its blocks, whatever the accuracy that was asked for.
+const LEFT_IN_OPEN_SPACES: f64 = 0.04;
 
 /// The radiosity of all patches of a scene, for some components of the spectrum.
 #[derive(Clone, Debug)]
@@ -13,11 +20,42 @@ pub struct Solution<'r> {
     pub(super) levels: Vec<f64>,
     /// For each node, the largest range of a component among its leaves, relative to the scene's mean.
     pub(super) spreads: Vec<f64>,
+    pub(super) lights: Lights,
     report: Report,
 }
 
+/// The components of what radiosity is made from, row by row.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Lights {
+    /// Of each side.
+    pub(super) reflectance: Vec<f64>,
+    /// Radiosity that each side sends out by itself.
+    pub(super) emission: Vec<f64>,
+    /// Of each source.
+    pub(super) sources: Vec<f64>,
+}
+
+impl Lights {
+    pub(super) fn new(radiosity: &Radiosity, basis: &dyn Basis) -> Self {
+        let width = basis.width();
+        let row = |factor: Factor| {
+            let mut row = vec![0.0; width];
+            components(basis, factor, 0, &mut row);
+            row
+        };
+        let sides = &radiosity.patches.sides;
+        let shine = |side: &Side| side.emission.map_or_else(|| vec![0.0; width], row);
+        Self {
+            reflectance: sides.iter().flat_map(|side| row(side.reflectance)).collect(),
+            emission: sides.iter().flat_map(shine).map(|e| core::f64::consts::PI * e).collect(),
+            sources: radiosity.sources.iter().flat_map(|source| row(source.spectrum)).collect(),
+        }
+    }
+}
+
 impl<'r> Solution<'r> {
-    pub(super) fn new(radiosity: &'r Radiosity, width: usize, reflected: &[f64], report: Report) -> Self {
+    pub(super) fn new(radiosity: &'r Radiosity, basis: &dyn Basis, reflected: &[f64], report: Report) -> Self {
+        let width = basis.width();
         let transport = &radiosity.transport;
         let mut nodes = Vec::new();
         transport.pull(reflected, width, |_| 1.0, &mut nodes);
@@ -32,7 +70,7 @@ impl<'r> Solution<'r> {
             |row: &[f64]| row.iter().zip(&means).map(|(b, m)| relative(b.abs(), *m)).sum::<f64>() / width as f64;
         let levels = nodes.chunks(width).map(level).collect();
         let spreads = spreads(radiosity, width, &nodes, &means, relative);
-        Self { radiosity, width, nodes, levels, spreads, report }
+        Self { radiosity, width, nodes, levels, spreads, lights: Lights::new(radiosity, basis), report }
     }
 
     /// How many components of the spectrum there are.
@@ -47,8 +85,13 @@ impl<'r> Solution<'r> {
 
     /// The relative error to be expected: several times what was aimed at, as has been measured, and that of the iteration.
     pub(super) fn relative_error(&self) -> f64 {
-        let measured = if self.report.uncertain_links > 0 { 6.0 } else { 3.0 };
-        measured * self.radiosity.settings.accuracy + self.report.iteration_error
+        let accuracy = self.radiosity.settings.accuracy;
+        let measured = match (self.report.uncertain_links > 0, self.report.closed < 1.0) {
+            (true, true) => (6.0 * accuracy).max(LEFT_IN_OPEN_SPACES),
+            (true, false) => 6.0 * accuracy,
+            (false, _) => 3.0 * accuracy,
+        };
+        measured + self.report.iteration_error
     }
 
     /// Reflected radiosity of each patch in the unit of the lights' radiance times sr, with the patch's area: one value for each component.

@@ -131,7 +131,7 @@ impl Source {
     }
 
     /// Mean irradiance on a patch over intensity (or irradiance).
-    fn irradiance(&self, patches: &Patches, node: &Node) -> f64 {
+    pub(super) fn irradiance(&self, patches: &Patches, node: &Node) -> f64 {
         if self.unshaded(&node.polygon) <= 0.0 {
             return 0.0;
         }
