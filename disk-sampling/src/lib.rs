@@ -3,8 +3,8 @@
 //! - [`partition`]: subdivision of a disk into subsources by four methods, uniform or by size over distance.
 //! - Continuous maps with densities and inverses: [`square_to_disk`] and its relatives.
 //! - [`estimate`]: illuminance with any emission and visibility, by few samples, to a requested relative error.
-//! - Configuration factors of disks, spheres, rectangles and polygons, clipped at the horizon: [`disk_configuration_factor`] and its
-//!   relatives.
+//! - Configuration factors of disks, spheres, rectangles and polygons, clipped at the horizon:
+//!   [`disk_configuration_factor`] and its relatives.
 #![no_std]
 
 mod configuration_factor;

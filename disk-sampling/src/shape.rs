@@ -73,7 +73,8 @@ impl<R: Real> Disk<R> {
         core::array::from_fn(|i| self.centre[i] + self.radius * (x * u[i] + y * v[i]))
     }
 
-    /// The inverse of [`point`](Self::point), with the height over the disk on the side that shines as third coordinate, all in radii.
+    /// The inverse of [`point`](Self::point), with the height over the disk on the side that shines as third
+    /// coordinate, all in radii.
     ///
     /// A point too far away for that to be a number gives an infinite coordinate.
     pub fn local(&self, point: [R; 3]) -> [R; 3] {

@@ -19,8 +19,9 @@ fn disk() -> Disk<f64> {
     Disk::new([0.0; 3], [0.0, 0.0, 1.0], 1.0).unwrap()
 }
 
-/// Heights from a thousandth to ten radii, feet under the disk, close to the rim on either side, or anywhere up to four radii away; normals in all
-/// directions, so that the horizon cuts many disks; what receives less than 1e-7 is drawn again.
+/// Heights from a thousandth to ten radii, feet under the disk, close to the rim on either side, or anywhere up to four
+/// radii away; normals in all directions, so that the horizon cuts many disks; what receives less than 1e-7 is drawn
+/// again.
 fn receiver(rng: &mut Rng) -> Receiver<f64> {
     loop {
         let height = 10.0_f64.powf(4.0 * rng.unit() - 3.0);
@@ -175,7 +176,8 @@ fn print_shares(
     tallies[0].share()
 }
 
-/// Independent: the cubature on the equal-area hexagon with 24 576 samples, for receivers whose horizon does not cut the disk.
+/// Independent: the cubature on the equal-area hexagon with 24 576 samples, for receivers whose horizon does not cut
+/// the disk.
 #[test]
 fn references_agree_with_the_cubature() {
     let mut rng = Rng::new(6);

@@ -136,8 +136,8 @@ fn the_cubature_is_within_a_ten_thousandth_with_96_samples() {
     assert!((total - 1.0).abs() <= 1e-14);
 }
 
-/// Each cubature point lies in its own part: back on the hexagon it is nearest to the part's own midpoint, because there the parts are the Voronoi
-/// cells of their midpoints.
+/// Each cubature point lies in its own part: back on the hexagon it is nearest to the part's own midpoint, because
+/// there the parts are the Voronoi cells of their midpoints.
 #[test]
 fn cubature_points_stay_in_their_parts() {
     let midpoints: Vec<_> = Partition::<f64>::full(Method::Hexagon, 5).unwrap().map(|part| part.position()).collect();
@@ -203,7 +203,8 @@ fn mapped_methods_never_miss_in_single_precision() {
     }
 }
 
-/// As printed, equation 2.9 starts at the midpoint, and leaves the triangle: the share of misses is not the expected one.
+/// As printed, equation 2.9 starts at the midpoint, and leaves the triangle: the share of misses is not the expected
+/// one.
 #[test]
 fn equation_2_9_as_printed_leaves_the_triangles() {
     let mut rng = Rng::new(8);

@@ -13,20 +13,25 @@ use crate::vector::{normalized, subtract};
 /// The shares of the requested error that are left to the measure of panels and to slices.
 const MEASURE_SHARE: f64 = 0.1;
 const SLICE_SHARE: f64 = 0.1;
-/// Refinement goes on until the estimated error is this share of the requested one, because errors are sometimes underestimated.
+/// Refinement goes on until the estimated error is this share of the requested one, because errors are sometimes
+/// underestimated.
 pub(super) const AIM: f64 = 0.5;
 
-/// (1/π) ∫ f cosθ cosθ′/d² dA to a requested relative error, asking for f (emission times visibility) at as few points as will do.
+/// (1/π) ∫ f cosθ cosθ′/d² dA to a requested relative error, asking for f (emission times visibility) at as few points
+/// as will do.
 ///
-/// The disk's visible part is cut into slices, planes through the receiver, in which cosines and distances are integrated without samples; f is
-/// sampled in slices and over slices by nested rules of 3, 7 and 15 points, exact for polynomials times that very measure, and divided where
-/// the changes from rule to rule, or the rule's errors for functions of known mean, show an error. The sum is scaled by the closed form, so that
-/// light that is the same everywhere is exact from 9 samples on wherever the receiver is, near contact and grazing included. Edges of visibility
-/// are found by bisection along the slices, and the slices where their pattern changes by bisection over the slices.
+/// The disk's visible part is cut into slices, planes through the receiver, in which cosines and distances are
+/// integrated without samples; f is sampled in slices and over slices by nested rules of 3, 7 and 15 points, exact for
+/// polynomials times that very measure, and divided where the changes from rule to rule, or the rule's errors for
+/// functions of known mean, show an error. The sum is scaled by the closed form, so that light that is the same
+/// everywhere is exact from 9 samples on wherever the receiver is, near contact and grazing included. Edges of
+/// visibility are found by bisection along the slices, and the slices where their pattern changes by bisection over the
+/// slices.
 ///
-/// Domain: all receivers; 0 with no samples behind or in the plane of the disk and below the receiver's horizon. What is smaller than the distance
-/// between samples can be missed: [`Request::strata`] sets the least number. The answer is the best within `panels` and `max_samples`, with a
-/// [`Status`] that says whether it meets the request; `max_samples` may be exceeded by the last slice's.
+/// Domain: all receivers; 0 with no samples behind or in the plane of the disk and below the receiver's horizon. What
+/// is smaller than the distance between samples can be missed: [`Request::strata`] sets the least number. The answer is
+/// the best within `panels` and `max_samples`, with a [`Status`] that says whether it meets the request; `max_samples`
+/// may be exceeded by the last slice's.
 ///
 /// # Errors
 /// [`EstimateError`] for a request out of range, no panels, or a closure that answers with a negative number, ∞ or NaN.
@@ -40,10 +45,12 @@ pub fn integrate<R: Real>(
     run(disk, receiver, None, request, panels, respond)
 }
 
-/// The ratio estimator: exact · ∫ f V k / ∫ f k, with k = cosθ cosθ′/d² and `exact` the unoccluded value (1/π) ∫ f k dA in closed form.
+/// The ratio estimator: exact · ∫ f V k / ∫ f k, with k = cosθ cosθ′/d² and `exact` the unoccluded value (1/π) ∫ f k dA
+/// in closed form.
 ///
-/// Receivers that nothing occludes are exact with any number of samples; else samples follow the shadow's edge until the requested relative error of the
-/// result is met. Domain, status and errors as [`integrate`]'s; [`EstimateError::Exact`] for a negative or infinite `exact`.
+/// Receivers that nothing occludes are exact with any number of samples; else samples follow the shadow's edge until
+/// the requested relative error of the result is met. Domain, status and errors as [`integrate`]'s;
+/// [`EstimateError::Exact`] for a negative or infinite `exact`.
 ///
 /// # Errors
 /// [`EstimateError`].

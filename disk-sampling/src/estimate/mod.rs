@@ -1,20 +1,22 @@
 //! The illuminance of a receiver by few samples: adaptive where the error is, exact where nothing is in the way.
 //!
-//! What is estimated is (1/π) ∫ f V cosθ cosθ′/d² dA over the part of a disk above the receiver's horizon: times π and a radiance, an irradiance;
-//! with f = V = 1 the configuration factor. f is what the light sends towards the receiver, relative to that radiance, V the visibility; both are
-//! given as a closure that is asked for single points of the disk ([`Aim`]). Disk and cosines are integrated without asking it.
+//! What is estimated is (1/π) ∫ f V cosθ cosθ′/d² dA over the part of a disk above the receiver's horizon: times π and
+//! a radiance, an irradiance; with f = V = 1 the configuration factor. f is what the light sends towards the receiver,
+//! relative to that radiance, V the visibility; both are given as a closure that is asked for single points of the disk
+//! ([`Aim`]). Disk and cosines are integrated without asking it.
 //!
 //! - [`integrate`] aims at a requested relative error for any f and V, by its own estimate of it.
 //! - [`ratio`] also knows the unoccluded value in closed form, and only estimates what share of it arrives.
 //! - [`ratio_of_parts`] does so with a given [partition](crate::partition) instead.
 //!
-//! Accuracy, over random receivers with heights from a thousandth to ten radii, at the rim, grazing and cut by their horizon: uniform light is exact; for
-//! light in proportion to the cosine, up to 0.2 % of receivers are outside a requested 1 %, 0.1 % or 0.01 % (94, 130, 174 samples in the mean), because
-//! what no sample sees cannot be estimated. Shadows with one straight edge: 0.4 % outside 1 % with 2 strata (744 samples), 0.6 % outside 0.1 %
-//! with 4 strata (2017 samples).
+//! Accuracy, over random receivers with heights from a thousandth to ten radii, at the rim, grazing and cut by their
+//! horizon: uniform light is exact; for light in proportion to the cosine, up to 0.2 % of receivers are outside a
+//! requested 1 %, 0.1 % or 0.01 % (94, 130, 174 samples in the mean), because what no sample sees cannot be estimated.
+//! Shadows with one straight edge: 0.4 % outside 1 % with 2 strata (744 samples), 0.6 % outside 0.1 % with 4 strata
+//! (2017 samples).
 //!
-//! Callers hand in room for [`Panel`]s, 0.9 kB each in `f64`: 16 are enough for smooth light, hundreds for shadows of many edges. A call keeps
-//! the parts of one slice on the stack, about 16 kB in `f64`; `f32` takes half of both.
+//! Callers hand in room for [`Panel`]s, 0.9 kB each in `f64`: 16 are enough for smooth light, hundreds for shadows of
+//! many edges. A call keeps the parts of one slice on the stack, about 16 kB in `f64`; `f32` takes half of both.
 
 mod adaptive;
 mod panels;
@@ -70,8 +72,8 @@ pub struct Request<R> {
     pub relative_error: R,
     /// The largest number of samples.
     pub max_samples: usize,
-    /// The least number of strata in each of the two directions, each sampled by 3 × 3 points: 1 for light without obstacles, more to find small
-    /// ones. 0 is taken as 1.
+    /// The least number of strata in each of the two directions, each sampled by 3 × 3 points: 1 for light without
+    /// obstacles, more to find small ones. 0 is taken as 1.
     pub strata: usize,
 }
 

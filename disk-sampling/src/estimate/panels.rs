@@ -147,7 +147,8 @@ impl<'a, 'b, R: Real, F: FnMut(&Aim<R>) -> Response<R>> Panels<'a, 'b, R, F> {
         }
     }
 
-    /// Divides the disk, without samples, into panels whose measures sum to its configuration factor within a relative error.
+    /// Divides the disk, without samples, into panels whose measures sum to its configuration factor within a relative
+    /// error.
     pub(super) fn measure_all(&mut self, strata: usize, relative: R) {
         let end = self.source.slices.end;
         let place = |i: usize| end * R::from_usize(i) / R::from_usize(strata);
@@ -164,7 +165,8 @@ impl<'a, 'b, R: Real, F: FnMut(&Aim<R>) -> Response<R>> Panels<'a, 'b, R, F> {
         }
     }
 
-    /// Where the first samples see only darkness, or light and shadow, samples anew: more finely, and with an eye for edges.
+    /// Where the first samples see only darkness, or light and shadow, samples anew: more finely, and with an eye for
+    /// edges.
     pub(super) fn look_again(&mut self, strata: usize, relative: R) -> Result<(), EstimateError> {
         let is_dark = !(self.light().lit > R::ZERO);
         if !(self.source.is_mixed || is_dark) || self.source.is_spent() {

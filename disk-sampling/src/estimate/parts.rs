@@ -6,11 +6,12 @@ use super::{Aim, EstimateError, Response};
 use crate::partition::Subsource;
 use crate::shape::{Disk, Receiver};
 
-/// exact · Σ w k f V / Σ w k f over the subsources that hit, with k = cosθ cosθ′/d²: the unoccluded value times the visible share, so that
-/// receivers that nothing occludes are exact with any number of samples (0 when no sample is above the horizon).
+/// exact · Σ w k f V / Σ w k f over the subsources that hit, with k = cosθ cosθ′/d²: the unoccluded value times the
+/// visible share, so that receivers that nothing occludes are exact with any number of samples (0 when no sample is
+/// above the horizon).
 ///
-/// `exact` is the value with V = 1: for f = 1 the configuration factor in closed form. Returned are the value and the number of samples asked
-/// for; subsources that miss or lie below the horizon are not.
+/// `exact` is the value with V = 1: for f = 1 the configuration factor in closed form. Returned are the value and the
+/// number of samples asked for; subsources that miss or lie below the horizon are not.
 ///
 /// # Errors
 /// [`EstimateError::Exact`], [`EstimateError::Response`].

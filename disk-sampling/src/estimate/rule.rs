@@ -8,8 +8,9 @@ pub(super) const FINEST: usize = 2;
 /// How many nodes there are up to each level. Nodes are numbered in the order in which levels add them.
 const COUNT: [usize; 3] = [3, 7, 15];
 
-/// Each node not right of the middle with its weights at the three levels, in the order in which levels add them (Patterson 1968, "The optimum addition
-/// of points to quadrature formulae"): exact for polynomials of degree 5, 11 and 23.
+/// Each node not right of the middle with its weights at the three levels, in the order in which levels add them
+/// (Patterson 1968, "The optimum addition of points to quadrature formulae"): exact for polynomials of degree 5, 11 and
+/// 23.
 const NODES: [(f64, [f64; 3]); 8] = [
     (0.0, [8.0 / 9.0, 0.450_916_538_658_474_14, 0.225_510_499_798_206_7]),
     (-0.774_596_669_241_483_4, [5.0 / 9.0, 0.268_488_089_868_333_45, 0.134_415_255_243_784_22]),
@@ -79,10 +80,11 @@ impl<R: Real> Light<R> {
 /// The number of nodes of the finest level.
 pub(super) const NODES_ALL: usize = 15;
 
-/// A nested rule for light times a measure whose density is cheap: the density is taken at the nodes of finer levels than light is.
+/// A nested rule for light times a measure whose density is cheap: the density is taken at the nodes of finer levels
+/// than light is.
 ///
-/// The integral of light is that of the polynomial through its samples times the measure (product integration): exact for polynomials however uneven the
-/// measure is, as far as the finer level integrates it.
+/// The integral of light is that of the polynomial through its samples times the measure (product integration): exact
+/// for polynomials however uneven the measure is, as far as the finer level integrates it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Nested<R> {
     /// The level that light is known to, and the one that the density is known to.
@@ -253,18 +255,19 @@ impl<R: Real> Nested<R> {
         self.summary.integrals.get(index).copied().unwrap_or_default()
     }
 
-    /// How much the excess of light over `ratio` times the full light varies: root of the mean square, times the measure.
+    /// How much the excess of light over `ratio` times the full light varies: root of the mean square, times the
+    /// measure.
     fn spread(&self, ratio: R) -> R {
         let [ll, lf, ff] = self.summary.squares;
         (ll - R::TWO * ratio * lf + ratio * ratio * ff).max(R::ZERO).sqrt() * self.measure()
     }
 
-    /// How far the integral's excess over `ratio` times the full light may be off. `mismatch` is how far the measure may be off, relatively; where visibility
-    /// is mixed, light is less smooth.
+    /// How far the integral's excess over `ratio` times the full light may be off. `mismatch` is how far the measure
+    /// may be off, relatively; where visibility is mixed, light is less smooth.
     ///
-    /// The last change from level to level, times how fast the changes have fallen. The coarsest level has no earlier change to show for itself: there,
-    /// it is also at least half the square of the relative variation. To that comes the variation of light times how far the rule is off for functions of
-    /// known mean: 1, and the guides.
+    /// The last change from level to level, times how fast the changes have fallen. The coarsest level has no earlier
+    /// change to show for itself: there, it is also at least half the square of the relative variation. To that comes
+    /// the variation of light times how far the rule is off for functions of known mean: 1, and the guides.
     pub(super) fn error(&self, ratio: R, mismatch: R, is_mixed: bool) -> R {
         let present = self.integral();
         let size = present.lit.max(ratio * present.full);

@@ -27,7 +27,8 @@ pub(super) struct Source<'a, R, F> {
     pub(super) next: usize,
 }
 
-/// The middle of a slice's narrowest part between two edges: across and along the slice on the unit disk; and how many edges the slice had.
+/// The middle of a slice's narrowest part between two edges: across and along the slice on the unit disk; and how many
+/// edges the slice had.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Narrow<R> {
     across: R,
@@ -46,8 +47,8 @@ pub(super) struct Mean<R> {
     pub(super) pattern: Pattern,
 }
 
-/// How light and shadow follow each other along a slice: the number of edges, and whether it begins in the light. Where neighbouring slices differ in it,
-/// the mean light has a kink.
+/// How light and shadow follow each other along a slice: the number of edges, and whether it begins in the light. Where
+/// neighbouring slices differ in it, the mean light has a kink.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Pattern {
     pub(super) edges: u8,
@@ -69,8 +70,8 @@ const PARTS: usize = 16;
 /// Visibilities further apart than this have an edge between them.
 const EDGE: f64 = 0.1;
 
-/// The share of the error of other slices that is allowed to slices that edges may cross: places of edges jump from slice to slice, and would be taken for
-/// kinks.
+/// The share of the error of other slices that is allowed to slices that edges may cross: places of edges jump from
+/// slice to slice, and would be taken for kinks.
 const EDGE_SHARE: f64 = 0.2;
 
 /// How far within a part its end is looked at.
@@ -99,8 +100,8 @@ impl<R: Real, F: FnMut(&Aim<R>) -> Response<R>> Source<'_, R, F> {
         self.samples >= self.max_samples
     }
 
-    /// The mean over a slice by its measure cos²ξ dξ: the part with the largest error gets a finer rule or is divided, at an edge of visibility if
-    /// there is one.
+    /// The mean over a slice by its measure cos²ξ dξ: the part with the largest error gets a finer rule or is divided,
+    /// at an edge of visibility if there is one.
     pub(super) fn mean(&mut self, slice: &Slice<R>, known: Known<R>) -> Result<Mean<R>, EstimateError> {
         let mut parts = Parts { parts: [Part::default(); PARTS], count: 0 };
         let strata = self.strata.min(PARTS / 2);
@@ -138,8 +139,9 @@ impl<R: Real, F: FnMut(&Aim<R>) -> Response<R>> Source<'_, R, F> {
         }
     }
 
-    /// Looks where a part between two edges should be by slices nearby that had more `edges`, too narrow perhaps to have been met: on the straight line through
-    /// the two nearest, which is where it is between straight edges, and beside the nearest. Returns whether there was one.
+    /// Looks where a part between two edges should be by slices nearby that had more `edges`, too narrow perhaps to
+    /// have been met: on the straight line through the two nearest, which is where it is between straight edges, and
+    /// beside the nearest. Returns whether there was one.
     fn look_for_narrow_parts(
         &mut self,
         slice: &Slice<R>,
@@ -259,8 +261,8 @@ impl<R: Real, F: FnMut(&Aim<R>) -> Response<R>> Source<'_, R, F> {
         Ok(())
     }
 
-    /// The first two neighbours among the coarsest rule's nodes with an edge of visibility between them. Where visibility is known to change somewhere on
-    /// the disk, the ends of the slice are looked at as well.
+    /// The first two neighbours among the coarsest rule's nodes with an edge of visibility between them. Where
+    /// visibility is known to change somewhere on the disk, the ends of the slice are looked at as well.
     fn look_for_edge(
         &mut self,
         slice: &Slice<R>,

@@ -1,10 +1,11 @@
 //! A disk as a receiver sees it, cut into slices: the coordinates in which its illuminance is smooth.
 //!
-//! Planes through the receiver that contain the direction in which receiver's and disk's planes meet cut the disk in parallel chords; the
-//! horizon is one of them. Let τ be the angle of such a plane, δ its angle from the plane through the disk's topmost point, ξ the angle within
-//! it. Then cosθ cosθ′/d² dA = cos(τ − τₙ) cos²ξ dξ dτ, with τₙ the direction of the receiver's normal: smooth however near the disk is, zero along the horizon,
-//! and elementary in ξ. With δ = D sin²(χ/2) the chords' lengths are smooth in χ as well. Everything is measured from the nearer end, so that
-//! nothing cancels for far, near or grazing receivers.
+//! Planes through the receiver that contain the direction in which receiver's and disk's planes meet cut the disk in
+//! parallel chords; the horizon is one of them. Let τ be the angle of such a plane, δ its angle from the plane through
+//! the disk's topmost point, ξ the angle within it. Then cosθ cosθ′/d² dA = cos(τ − τₙ) cos²ξ dξ dτ, with τₙ the
+//! direction of the receiver's normal: smooth however near the disk is, zero along the horizon, and elementary in ξ.
+//! With δ = D sin²(χ/2) the chords' lengths are smooth in χ as well. Everything is measured from the nearer end, so
+//! that nothing cancels for far, near or grazing receivers.
 
 use spectral_core::Real;
 
@@ -54,8 +55,8 @@ pub(super) struct Slice<R> {
 }
 
 impl<R: Real> Slices<R> {
-    /// The part of `disk` above the horizon of `receiver`; `None` when there is nothing, behind or in the plane of either, or when the squared
-    /// distance overflows. A receiver less than ε² radii over the disk's plane, or on the
+    /// The part of `disk` above the horizon of `receiver`; `None` when there is nothing, behind or in the plane of
+    /// either, or when the squared distance overflows. A receiver less than ε² radii over the disk's plane, or on the
     /// disk itself, is taken to be that high; within 1024 ε radii of the rim, it is taken to be that much over it.
     pub(super) fn new(disk: &Disk<R>, receiver: &Receiver<R>) -> Option<Self> {
         let [x, y, height] = disk.local(receiver.position());
@@ -146,8 +147,9 @@ fn towards<R: Real>(x: R, y: R) -> [R; 2] {
     if length > R::ZERO { [x / length, y / length] } else { [R::ONE, R::ZERO] }
 }
 
-/// Where a ray from height `height` over a line meets it, after it is turned by `angle` from a point of the line at `away` from the foot towards the foot:
-/// how far from that point, in [0, 2], and how far from the foot on its side. Each is free of cancellation where it is small.
+/// Where a ray from height `height` over a line meets it, after it is turned by `angle` from a point of the line at
+/// `away` from the foot towards the foot: how far from that point, in [0, 2], and how far from the foot on its side.
+/// Each is free of cancellation where it is small.
 fn turned<R: Real>(angle: R, away: R, height: R) -> (R, R) {
     let reach = norm(away, height);
     let (sin, cos) = (angle.sin(), angle.cos());
@@ -163,7 +165,8 @@ fn norm<R: Real>(x: R, y: R) -> R {
 }
 
 impl<R: Real> Slice<R> {
-    /// ∫ cos²ξ dξ = (Δ + sinΔ cosΣ)/2 = (Δ − sinΔ)/2 + sinΔ cos²(Σ/2), with Δ and Σ the difference and the sum of the limits.
+    /// ∫ cos²ξ dξ = (Δ + sinΔ cosΣ)/2 = (Δ − sinΔ)/2 + sinΔ cos²(Σ/2), with Δ and Σ the difference and the sum of the
+    /// limits.
     fn measure_between(&self, ends: [R; 2], reach: [R; 2], angle: R) -> R {
         let (sin, cos) =
             ([ends[0] / reach[0], ends[1] / reach[1]], [self.distance / reach[0], self.distance / reach[1]]);

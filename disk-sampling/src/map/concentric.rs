@@ -4,8 +4,8 @@ use spectral_core::Real;
 
 use super::uniform_pdf;
 
-/// Shirley and Chiu's concentric map from the square [0, 1]² to the unit disk: squares around the centre become circles, and equal
-/// areas stay equal (J. Graphics Tools 2(3), 1997).
+/// Shirley and Chiu's concentric map from the square [0, 1]² to the unit disk: squares around the centre become
+/// circles, and equal areas stay equal (J. Graphics Tools 2(3), 1997).
 ///
 /// Domain: [0, 1]²; outside, the disk is left. The map's pdf on the disk is 1/π everywhere.
 pub fn square_to_disk<R: Real>([u, v]: [R; 2]) -> [R; 2] {

@@ -4,14 +4,15 @@ use spectral_core::Real;
 
 use super::uniform_pdf;
 
-/// Side, and distance of the corners from the centre, of the regular hexagon that has the area π of the unit disk: √(2π/(3√3)).
+/// Side, and distance of the corners from the centre, of the regular hexagon that has the area π of the unit disk:
+/// √(2π/(3√3)).
 pub(crate) const HEXAGON_SIDE: f64 = 1.099_636_110_791_267_8;
 
 /// The area-preserving map from the regular hexagon of area π, centred, with a corner on the x axis, to the unit disk.
 ///
-/// Each of the six triangles around the centre becomes a circular sector: the fraction ρ of the apothem that a point's ring has reached
-/// becomes the radius, its place t along the ring's edge the angle 60° t within the sector. Area is proportional to ρ dρ dt on both
-/// sides, so equal areas stay equal. Domain: the hexagon; outside it, the disk is left.
+/// Each of the six triangles around the centre becomes a circular sector: the fraction ρ of the apothem that a point's
+/// ring has reached becomes the radius, its place t along the ring's edge the angle 60° t within the sector. Area is
+/// proportional to ρ dρ dt on both sides, so equal areas stay equal. Domain: the hexagon; outside it, the disk is left.
 pub fn hexagon_to_disk<R: Real>(point: [R; 2]) -> [R; 2] {
     let (sector, triangle) = sector_coordinates(point);
     triangle_to_disk(sector, triangle)
@@ -32,7 +33,8 @@ pub fn disk_to_hexagon<R: Real>([x, y]: [R; 2]) -> [R; 2] {
     triangle_to_hexagon(sector.to_usize(), [radius * (R::ONE - along), radius * along])
 }
 
-/// The point of sector 0 to 5 at coordinates (x, y) of the triangle x, y ≥ 0, x + y ≤ 1 with the centre at (0, 0), on the hexagon.
+/// The point of sector 0 to 5 at coordinates (x, y) of the triangle x, y ≥ 0, x + y ≤ 1 with the centre at (0, 0), on
+/// the hexagon.
 pub(crate) fn triangle_to_hexagon<R: Real>(sector: usize, [x, y]: [R; 2]) -> [R; 2] {
     let (u, w) = (corner::<R>(sector), corner::<R>(sector + 1));
     [x * u[0] + y * w[0], x * u[1] + y * w[1]]

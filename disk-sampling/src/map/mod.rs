@@ -1,6 +1,7 @@
 //! Continuous maps between the unit square, the hexagon and the unit disk: each with its density and its inverse.
 //!
-//! Square means [0, 1]², disk means the unit disk; a pdf is per unit area of the unit disk, at a point of it, and 0 outside.
+//! Square means [0, 1]², disk means the unit disk; a pdf is per unit area of the unit disk, at a point of it, and 0
+//! outside.
 
 mod concentric;
 mod elliptical;

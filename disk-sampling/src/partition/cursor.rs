@@ -5,7 +5,8 @@ use spectral_core::Real;
 use super::{Label, MAX_DEPTH, Method, PartitionError, Subsource};
 use crate::shape::Disk;
 
-/// An iterator over the subsources of a disk, in the order of their labels; nothing is stored but the label that is next.
+/// An iterator over the subsources of a disk, in the order of their labels; nothing is stored but the label that is
+/// next.
 #[derive(Clone, Debug)]
 pub struct Partition<R> {
     method: Method,
@@ -27,13 +28,14 @@ impl<R: Real> Partition<R> {
         Ok(Self { method, levels: method.levels(depth), criterion: None, next: Some(Label::root(method)) })
     }
 
-    /// The parts that algorithms 2.1 and 2.2 leave: a part is subdivided while its [extent](Subsource::extent) over the distance from the
-    /// receiver to its [position](Subsource::position) is above `threshold` (`-ds`) and the depth allows it ([`Method::parts`]). Before it is mapped,
-    /// for [`Method::MappedSquare`], as Radiance does it. `threshold` 0 switches subdivision off.
+    /// The parts that algorithms 2.1 and 2.2 leave: a part is subdivided while its [extent](Subsource::extent) over the
+    /// distance from the receiver to its [position](Subsource::position) is above `threshold` (`-ds`) and the depth
+    /// allows it ([`Method::parts`]). Before it is mapped, for [`Method::MappedSquare`], as Radiance does it.
+    /// `threshold` 0 switches subdivision off.
     ///
     /// # Errors
-    /// [`PartitionError::Depth`] above [`MAX_DEPTH`], [`PartitionError::Threshold`] for a threshold that is negative or not finite,
-    /// [`PartitionError::NotFinite`] for such a receiver.
+    /// [`PartitionError::Depth`] above [`MAX_DEPTH`], [`PartitionError::Threshold`] for a threshold that is negative or
+    /// not finite, [`PartitionError::NotFinite`] for such a receiver.
     pub fn adaptive(
         method: Method,
         depth: u32,

@@ -2,10 +2,12 @@
 
 use super::Method;
 
-/// The label of a part: its level, its sector of the hexagon, and one digit per further subdivision (two bits for the quarters of a triangle,
-/// numbered as by Lee and Samet 1998 and in fig. 2.3 of the thesis: 0, 1, 3 at the corners, 2 in the middle; one bit for the halves of a square).
+/// The label of a part: its level, its sector of the hexagon, and one digit per further subdivision (two bits for the
+/// quarters of a triangle, numbered as by Lee and Samet 1998 and in fig. 2.3 of the thesis: 0, 1, 3 at the corners, 2
+/// in the middle; one bit for the halves of a square).
 ///
-/// Position, next label, parent, children and neighbours all follow from the bits with a fixed number of word operations.
+/// Position, next label, parent, children and neighbours all follow from the bits with a fixed number of word
+/// operations.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct Label {
     sector: u8,
@@ -14,7 +16,8 @@ pub struct Label {
     triangular: bool,
 }
 
-/// A side of a triangle by the corner opposite to it, in the numbering of the digits; parts that share a side call it the same.
+/// A side of a triangle by the corner opposite to it, in the numbering of the digits; parts that share a side call it
+/// the same.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Side {
     /// Opposite to corner 0: in upright triangles, the side away from the disk's centre.
@@ -114,15 +117,17 @@ impl Label {
         None
     }
 
-    /// The triangle of the same level across a side; `None` outside the hexagon, for the undivided disk and for squares.
+    /// The triangle of the same level across a side; `None` outside the hexagon, for the undivided disk and for
+    /// squares.
     ///
-    /// Across side c, digits c and 2 change places, the other two digits pass the question on to the parent and change places: all of it is one
-    /// exclusive or (after Lee and Samet's constant-time neighbour finding).
+    /// Across side c, digits c and 2 change places, the other two digits pass the question on to the parent and change
+    /// places: all of it is one exclusive or (after Lee and Samet's constant-time neighbour finding).
     pub const fn neighbour(self, side: Side) -> Option<Self> {
         if !self.triangular || self.level == 0 {
             return None;
         }
-        // `swap` turns digit c into 2 and the others into each other; `decisive` are the low bits of digits that are c or 2.
+        // `swap` turns digit c into 2 and the others into each other; `decisive` are the low bits of digits that are c
+        // or 2.
         let digits = 2 * (self.level as u32 - 1);
         let (high, low) = (self.path >> 1 & EVEN, self.path & EVEN);
         let (swap, decisive) = match side {
@@ -149,7 +154,8 @@ impl Label {
         }
     }
 
-    /// A triangle's right-angled corner and leg in units of 2^−(level − 1) (eq. 2.4 to 2.7): [x, y] and whether the leg is negative.
+    /// A triangle's right-angled corner and leg in units of 2^−(level − 1) (eq. 2.4 to 2.7): [x, y] and whether the leg
+    /// is negative.
     pub(crate) const fn corner(self) -> ([i32; 2], bool) {
         let (high, low) = (self.path >> 1 & EVEN, self.path & EVEN);
         let reversing = high & !low;

@@ -19,8 +19,8 @@ pub struct Subsource<R> {
 }
 
 impl<R: Real> Subsource<R> {
-    /// The part of `method`'s hierarchy with this label, in constant time. A label of the other kind (triangles, squares) gives the undivided
-    /// disk.
+    /// The part of `method`'s hierarchy with this label, in constant time. A label of the other kind (triangles,
+    /// squares) gives the undivided disk.
     pub fn new(method: Method, label: Label) -> Self {
         let label = if label.is_triangular() == method.is_triangular() { label } else { Label::root(method) };
         Self { method, label, position: place(method, label, [R::ZERO; 2]) }
@@ -36,8 +36,8 @@ impl<R: Real> Subsource<R> {
         self.label
     }
 
-    /// The share of the disk's area that the sample stands for: one over the number of parts of this level. Parts that miss keep their
-    /// weight (their contribution is 0), so the weights of a partition always sum to 1.
+    /// The share of the disk's area that the sample stands for: one over the number of parts of this level. Parts that
+    /// miss keep their weight (their contribution is 0), so the weights of a partition always sum to 1.
     pub fn weight(&self) -> R {
         let level = self.label.level();
         if !self.method.is_triangular() {
@@ -46,8 +46,8 @@ impl<R: Real> Subsource<R> {
         if level == 0 { R::ONE } else { half_to::<R>(2 * (level - 1)) / R::from_f64(6.0) }
     }
 
-    /// The longest axis, in disk radii: of the square or hexagon as a whole, the longer side of a rectangle, the side of a triangle. For the
-    /// mapped methods this is the size before the map.
+    /// The longest axis, in disk radii: of the square or hexagon as a whole, the longer side of a rectangle, the side
+    /// of a triangle. For the mapped methods this is the size before the map.
     pub fn extent(&self) -> R {
         let level = self.label.level();
         if !self.method.is_triangular() {
@@ -62,12 +62,14 @@ impl<R: Real> Subsource<R> {
         self.is_hit(self.position)
     }
 
-    /// A sample position, jittered: `jitter` (dj) 0 is the centre, 1 spreads samples over the whole part as `random` in [0, 1)² is
-    /// uniform (eq. 2.1 for rectangles, 2.8 for an undivided hexagon, 2.9 for triangles), and whether it hits the disk.
+    /// A sample position, jittered: `jitter` (dj) 0 is the centre, 1 spreads samples over the whole part as `random` in
+    /// [0, 1)² is uniform (eq. 2.1 for rectangles, 2.8 for an undivided hexagon, 2.9 for triangles), and whether it
+    /// hits the disk.
     ///
-    /// Equation 2.9 as printed adds dj (y √(1 − x) u + (1 − √(1 − x)) w) to the midpoint, which for dj > 0 leaves the triangle; here the
-    /// mean of what is added, dj (u + w)/3, is taken off, so that the triangle is covered exactly at dj = 1, as the thesis's expected
-    /// 3.72 % of misses assumes. The two methods whose name says so never miss, whatever dj in [0, 1].
+    /// Equation 2.9 as printed adds dj (y √(1 − x) u + (1 − √(1 − x)) w) to the midpoint, which for dj > 0 leaves the
+    /// triangle; here the mean of what is added, dj (u + w)/3, is taken off, so that the triangle is covered exactly at
+    /// dj = 1, as the thesis's expected 3.72 % of misses assumes. The two methods whose name says so never miss,
+    /// whatever dj in [0, 1].
     pub fn sample(&self, jitter: R, random: [R; 2]) -> ([R; 2], bool) {
         let [x, y] = random;
         let offset = if !self.method.is_triangular() {
@@ -83,11 +85,13 @@ impl<R: Real> Subsource<R> {
         (position, self.is_hit(position))
     }
 
-    /// The sample position and weight of a cubature of degree 8 on the same hierarchy (Dunavant 1985): for parts of a full
-    /// [`Method::EqualAreaHexagon`] partition of depth 5 or more, in place of [`position`](Self::position) and [`weight`](Self::weight).
+    /// The sample position and weight of a cubature of degree 8 on the same hierarchy (Dunavant 1985): for parts of a
+    /// full [`Method::EqualAreaHexagon`] partition of depth 5 or more, in place of [`position`](Self::position) and
+    /// [`weight`](Self::weight).
     ///
-    /// Sixteen parts that share a grandparent are the sixteen points of the rule, one point in each of them; the weights are positive and sum
-    /// to 1 over the disk. Other parts give their centre and weight. The rule only makes sense where all sixteen are summed.
+    /// Sixteen parts that share a grandparent are the sixteen points of the rule, one point in each of them; the
+    /// weights are positive and sum to 1 over the disk. Other parts give their centre and weight. The rule only makes
+    /// sense where all sixteen are summed.
     pub fn cubature(&self) -> ([R; 2], R) {
         let ancestor = self.label.parent().and_then(Label::parent).filter(|ancestor| ancestor.level() > 0);
         let (Some(ancestor), Method::EqualAreaHexagon) = (ancestor, self.method) else {
@@ -128,7 +132,8 @@ fn dunavant(part: Label) -> ([f64; 2], f64) {
     ([value(quarters[1]), value(quarters[2])], weight)
 }
 
-/// The point of a part at an offset from its centre: in sides of a rectangle, in legs of a triangle, in radii for an undivided hexagon.
+/// The point of a part at an offset from its centre: in sides of a rectangle, in legs of a triangle, in radii for an
+/// undivided hexagon.
 fn place<R: Real>(method: Method, label: Label, offset: [R; 2]) -> [R; 2] {
     match method {
         Method::Square => square_point(label, offset).map(|x| x * R::PI.sqrt() * R::HALF),
