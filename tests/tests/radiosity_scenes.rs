@@ -154,7 +154,8 @@ fn cornell_box_agrees_with_mitsuba() {
     let bins = UniformBins::new(&palette, 81).unwrap();
     let solution = radiosity.solve(&bins).unwrap();
     let light = IndirectRadiosity::new(&solution, &bins).unwrap();
-    // The last number is what was left in excess of four standard deviations, rounded up: most in the gap between the blocks, 12 mm beside one.
+    // The last number is the accuracy that is known to be kept: 4 % in the gap between the blocks, 12 mm beside one; 1.5 % beside
+    // contacts; 1 % elsewhere. Four standard deviations of the reference come on top. The request of 0.1 % is not met.
     for (position, normal, total, deviation, direct, tolerance) in [
         ([278.0, 1.0, 279.5], [0.0, 1.0, 0.0], 138_897.1, 171.0, 96_420.5, 0.04),
         ([100.0, 1.0, 100.0], [0.0, 1.0, 0.0], 17_609.7, 9.0, 0.0, 0.015),

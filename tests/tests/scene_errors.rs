@@ -123,7 +123,7 @@ fn properties_outside_the_subset_are_refused() {
         (diffuse("<float name='reflectance'/>"), 4, "missing attribute \"value\""),
         (diffuse("<string name='reflectance' value='0.1'/>"), 4, "must be given as <spectrum>"),
         (sensor("<float name='near_clip' value='1'>\n<float/></float>"), 4, "not expected inside <float>"),
-        (diffuse("<rgb name='reflectance' value='0.1 0.2 1.3'/>"), 4, "<rgb>: "),
+        (diffuse("<rgb name='reflectance' value='0.1 0.2 1.3'/>"), 4, "component 2 of the colour"),
         (diffuse("<rgb name='reflectance' value='0.1 0.2'/>"), 4, "one or three numbers"),
         (object("shape", "disk", "<boolean name='flip_normals' value='yes'/>"), 4, "neither \"true\""),
     ]);

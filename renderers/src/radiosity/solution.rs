@@ -89,7 +89,9 @@ impl<'r> Solution<'r> {
         let measured = match (self.report.uncertain_links > 0, self.report.closed < 1.0) {
             (true, true) => (6.0 * accuracy).max(LEFT_IN_OPEN_SPACES),
             (true, false) => 6.0 * accuracy,
-            (false, _) => 3.0 * accuracy,
+            // Patches of one radiosity under an uneven light leave an error in proportion to their size.
+            (false, true) => (0.3 * accuracy.sqrt()).max(3.0 * accuracy),
+            (false, false) => 3.0 * accuracy,
         };
         measured + self.report.iteration_error
     }
