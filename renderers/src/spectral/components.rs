@@ -169,3 +169,23 @@ impl Resolver for ComponentResolver<'_> {
         Colour { xyz: self.components.space.to_xyz(sum), intervals: 3, ..Colour::default() }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{Components, Reflection, RgbSpace, Tensor};
+
+    /// The product isn't associative: what is nearest to the eye comes last.
+    #[test]
+    fn light_meets_one_surface_after_the_other() {
+        let tensor = Tensor::rec_709();
+        let [near, far, light] = [[0.8, 0.1, 0.3], [0.2, 0.7, 0.1], [0.4, 0.9, 1.0]];
+        let leaves = vec![near, far, light];
+        let reflections: Vec<Reflection<f64>> = leaves.iter().map(|colour| tensor.reflection(*colour)).collect();
+        let components = Components { space: RgbSpace::REC_709, leaves, reflections: Some(reflections) };
+        let close = |a: [f64; 3], b: [f64; 3]| a.iter().zip(b).all(|(a, b)| (a - b).abs() <= 1e-15);
+        let expected = tensor.product(near, tensor.product(far, light));
+        assert!(close(components.product(&[0, 1, 2]), expected));
+        assert!(close(components.through(&[0, 1], light), expected));
+        assert!(!close(components.product(&[1, 0, 2]), expected));
+    }
+}

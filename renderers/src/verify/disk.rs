@@ -9,7 +9,8 @@ use super::oracle;
 /// Luminous flux of the disks, lm.
 const FLUX: f64 = 5000.0;
 
-/// How samples are placed on a disk, all with the same weight.
+/// How samples are placed on a disk, all with the same weight: a list of its own, as these oracles share nothing with
+/// [`disk_sampling::partition`], which they judge.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Method {
