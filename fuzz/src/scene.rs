@@ -72,7 +72,7 @@ fn check(scene: &Scene) {
 /// A pixel may be refused, but not be NaN, and its bound not be negative.
 fn render_pixel(scene: &Scene) {
     for spectra in [Spectra::Rgb, Spectra::Interval(IntervalSettings::default())] {
-        let options = Options { spectra, size: Some([1, 1]), samples: Some(2), seed: Some(0) };
+        let options = Options { spectra, size: Some([1, 1]), samples: Some(2), seed: Some(0), ..Options::default() };
         match render(scene, &options, &|_| {}) {
             Err(error) => super::assert_one_line(&error.to_string()),
             Ok(rendering) => {

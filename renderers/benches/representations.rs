@@ -28,7 +28,8 @@ fn main() -> Result<(), Box<dyn core::error::Error>> {
     let mut seconds = vec![Vec::new(); ways.len()];
     for _ in 0..runs {
         for ((_, spectra), times) in ways.iter().zip(&mut seconds) {
-            let options = Options { spectra: *spectra, size: Some([side, side]), samples: Some(samples), seed: None };
+            let options =
+                Options { spectra: *spectra, size: Some([side, side]), samples: Some(samples), ..Options::default() };
             let rendering = render(&scene, &options, &|_| {})?;
             times.push(rendering.seconds + rendering.preparation_seconds);
         }

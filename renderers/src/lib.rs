@@ -9,6 +9,7 @@ pub mod illuminance;
 pub mod image;
 pub mod light;
 pub mod luminaire;
+mod material;
 pub mod progress;
 pub mod radiosity;
 pub mod relight;

@@ -4,6 +4,7 @@ use core::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::Mutex;
 use std::time::Instant;
 
+use spectral_core::adaptive::Mode;
 use spectral_core::bilinear::Tensor;
 use spectral_core::colour::rgb;
 
@@ -23,6 +24,23 @@ const TILE: usize = 16;
 /// Products of spectra that a thread remembers. Metals that mirror each other make ever new ones.
 const MAX_MONOMIALS: usize = 1 << 15;
 
+/// How light is gathered.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Renderer {
+    /// Direct light, mirrors and glass, with a constant ambient term: [`crate::whitted`].
+    #[default]
+    Whitted,
+}
+
+impl core::fmt::Display for Renderer {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.write_str(match self {
+            Self::Whitted => "whitted",
+        })
+    }
+}
+
 /// How spectra are represented.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Spectra {
@@ -38,6 +56,13 @@ pub enum Spectra {
     Bilinear,
     /// Spectra of ten bins, made of three components.
     Smits,
+}
+
+impl Default for Spectra {
+    /// Intervals with a certified bound of ΔE*ab 1.
+    fn default() -> Self {
+        Self::Interval(IntervalSettings { mode: Mode::Certified, threshold: 1.0 })
+    }
 }
 
 impl Spectra {
@@ -64,8 +89,10 @@ impl core::fmt::Display for Spectra {
 }
 
 /// How a scene is to be rendered.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Options {
+    /// How light is gathered.
+    pub renderer: Renderer,
     /// How spectra are represented.
     pub spectra: Spectra,
     /// Image size in pixels; `None`: the scene's.
@@ -95,17 +122,28 @@ pub struct Rendering {
     pub preparation_seconds: f64,
 }
 
-/// Renders a scene by Whitted's ray tracing on all threads of the current rayon pool. `progress` is told how many pixels have been
-/// finished, from any thread.
+/// Renders a scene on all threads of the current rayon pool. `progress` is told how many pixels have been finished, from any thread.
 ///
 /// The result doesn't depend on the number of threads.
 ///
 /// # Errors
 /// What the scene asks for and this renderer can't do.
 pub fn render(scene: &Scene, options: &Options, progress: &(dyn Fn(usize) + Sync)) -> Result<Rendering, RenderError> {
-    let start = Instant::now();
     let size = options.size.unwrap_or([scene.film.width, scene.film.height]);
     check_area(size)?;
+    match options.renderer {
+        Renderer::Whitted => whitted(scene, options, size, progress),
+    }
+}
+
+/// Whitted's ray tracing.
+fn whitted(
+    scene: &Scene,
+    options: &Options,
+    size: [u32; 2],
+    progress: &(dyn Fn(usize) + Sync),
+) -> Result<Rendering, RenderError> {
+    let start = Instant::now();
     let mut palette = Palette::default();
     let whitted = Whitted::new(scene, size, &mut palette)?;
     let frame = Frame {

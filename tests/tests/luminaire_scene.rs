@@ -59,7 +59,7 @@ fn scene(body: &str) -> Scene {
 fn illuminance(x: f64, z: f64, body: &str) -> f64 {
     let scene = try_scene([x, 0.25, z], [x, 0.0, z], body).unwrap();
     let found = [Spectra::Interval(IntervalSettings::default()), Spectra::Uniform(81), Spectra::Rgb].map(|spectra| {
-        let options = Options { spectra, size: None, samples: None, seed: None };
+        let options = Options { spectra, ..Options::default() };
         let picture = render(&scene, &options, &|_| {}).unwrap().picture;
         let y = linear_rgb_to_xyz(picture.pixels()[0].map(f64::from))[1];
         MAXIMUM_LUMINOUS_EFFICACY * Y_INTEGRAL * y * PI / REFLECTANCE

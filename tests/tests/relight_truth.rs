@@ -89,7 +89,8 @@ fn solve(matrix: [[f64; 3]; 3], right: [f64; 3]) -> [f64; 3] {
 }
 
 fn truth(scene: &Scene) -> Picture {
-    let options = Options { spectra: Spectra::Uniform(401), size: Some([96, 96]), samples: Some(4), seed: None };
+    let options =
+        Options { spectra: Spectra::Uniform(401), size: Some([96, 96]), samples: Some(4), ..Options::default() };
     render(scene, &options, &|_| {}).unwrap().picture
 }
 

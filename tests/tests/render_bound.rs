@@ -19,7 +19,7 @@ const THRESHOLDS: [f64; 3] = [0.3, 1.0, 3.0];
 
 fn rendering(name: &str, samples: u32, spectra: Spectra) -> Rendering {
     let scene = builtin::load(name, &[]).unwrap();
-    let options = Options { spectra, size: Some([SIDE, SIDE]), samples: Some(samples), seed: None };
+    let options = Options { spectra, size: Some([SIDE, SIDE]), samples: Some(samples), ..Options::default() };
     render(&scene, &options, &|_| {}).unwrap()
 }
 

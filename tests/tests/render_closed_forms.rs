@@ -41,7 +41,7 @@ fn scene(eye: [f64; 3], target: [f64; 3], body: &str) -> Scene {
 fn floor_luminance(x: f64, body: &str) -> f64 {
     let scene = scene([x, 0.25, 0.0], [x, 0.0, 0.0], body);
     let found = [Spectra::Interval(IntervalSettings::default()), Spectra::Uniform(81), Spectra::Rgb].map(|spectra| {
-        let options = Options { spectra, size: None, samples: None, seed: None };
+        let options = Options { spectra, ..Options::default() };
         let picture = render(&scene, &options, &|_| {}).unwrap().picture;
         linear_rgb_to_xyz(picture.pixels()[0].map(f64::from))[1]
     });

@@ -31,7 +31,7 @@ fn scene(integrator: &str, side: u32, body: &str) -> String {
 fn rendered(xml: &str) -> Result<Rendering, String> {
     let scene = load(&Source::text("limits.xml", xml), &[]).map_err(|e| e.to_string())?;
     let spectra = Spectra::Interval(IntervalSettings::default());
-    render(&scene, &Options { spectra, size: None, samples: Some(1), seed: None }, &|_| {}).map_err(|e| e.to_string())
+    render(&scene, &Options { spectra, samples: Some(1), ..Options::default() }, &|_| {}).map_err(|e| e.to_string())
 }
 
 const LIGHT: &str = r#"<emitter type="point"><point name="position" x="0" y="3" z="0"/>

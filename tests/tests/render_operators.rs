@@ -55,7 +55,7 @@ fn cornell_box(name: &str) -> Scene {
 }
 
 fn picture(scene: &Scene, spectra: Spectra) -> Picture {
-    let options = Options { spectra, size: Some([SIDE, SIDE]), samples: Some(4), seed: None };
+    let options = Options { spectra, size: Some([SIDE, SIDE]), samples: Some(4), ..Options::default() };
     render(scene, &options, &|_| {}).unwrap().picture
 }
 

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::{Args, ValueEnum};
 use renderers::image::{FalseColour, ScalarMap, Scale, write_exr, write_png};
 use renderers::progress::Progress;
-use renderers::render::{Options, Rendering, Spectra, render};
+use renderers::render::{self, Options, Rendering, Spectra};
 use renderers::report::{ChartLabels, Histogram, Table};
 use renderers::scene::{self, Scene, builtin};
 use renderers::spectral::IntervalSettings;
@@ -108,7 +108,7 @@ impl Arguments {
         let [width, height] = options.size.unwrap_or([scene.film.width, scene.film.height]);
         make_folder(&self.out)?;
         let bar = Progress::new("render", u64::from(width) * u64::from(height));
-        let rendering = render(&scene, &options, &|pixels| bar.add(pixels as u64))
+        let rendering = render::render(&scene, &options, &|pixels| bar.add(pixels as u64))
             .map_err(|e| Failure(format!("{}: {e}", self.scene)))?;
         drop(bar);
         let report = Report::new(&scene, &options, &rendering, self.threshold);
@@ -136,8 +136,10 @@ impl Arguments {
             Representation::Bilinear => Spectra::Bilinear,
             Representation::Smits => Spectra::Smits,
         };
-        let Renderer::Whitted = self.renderer;
-        Ok(Options { spectra, size: self.size, samples: self.spp, seed: self.seed })
+        let renderer = match self.renderer {
+            Renderer::Whitted => render::Renderer::Whitted,
+        };
+        Ok(Options { renderer, spectra, size: self.size, samples: self.spp, seed: self.seed })
     }
 
     /// A built-in scene if there is one of this name, else a file.
@@ -190,6 +192,7 @@ fn make_folder(folder: &Path) -> Result<(), Failure> {
 /// What a rendering is summed up to.
 struct Report {
     scene: String,
+    renderer: String,
     spectra: String,
     size: [usize; 2],
     seconds: [f64; 2],
@@ -222,6 +225,7 @@ impl Report {
         let counts = rendering.intervals.pixels().iter().map(|n| *n as usize);
         Self {
             scene: scene.name.clone(),
+            renderer: options.renderer.to_string(),
             spectra: options.spectra.to_string(),
             size: [rendering.picture.width(), rendering.picture.height()],
             seconds: [rendering.seconds, rendering.preparation_seconds],
@@ -282,7 +286,7 @@ impl Report {
         });
         json!({
             "scene": self.scene,
-            "renderer": "whitted",
+            "renderer": self.renderer,
             "spectra": self.spectra,
             "width": width,
             "height": height,

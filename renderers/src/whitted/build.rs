@@ -1,9 +1,9 @@
 //! From a scene's data to what the tracer needs.
 
-use super::material::Material;
 use super::{RenderError, Settings, Whitted};
 use crate::direct::{self, Blockers, Cells, Light, Source};
 use crate::geometry::{self, Camera};
+use crate::material::Material;
 use crate::scene::{Emitter, FovAxis, Geometry, Integrator, Scene, Shape};
 use crate::spectral::{Palette, Role};
 

@@ -13,15 +13,14 @@
 //! comes back can count for less than 10⁻⁴ before the reflectances of mirrors.
 
 mod build;
-mod material;
 
 use glam::DVec3;
 use spectral_core::schlick::{Schlick, schlick_fresnel};
 
 use crate::direct::{Blockers, Cells, Cover, KnownCells, Light, Part, Receiver, Scratch, Surroundings, single};
 use crate::geometry::{Camera, Hit, Ray, World};
+use crate::material::{Dielectric, Material, dielectric_fresnel, mirror_factors};
 use crate::spectral::{Deferred, Factor, FactorOrder, Monomial, Monomials, Radiance, Tracer};
-use material::{Dielectric, Material, dielectric_fresnel, mirror_factors};
 
 /// Paths that count for less are not followed.
 const LEAST_WEIGHT: f64 = 1e-4;

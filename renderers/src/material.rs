@@ -4,16 +4,16 @@ use spectral_core::dispersion::{Dispersion, Glass};
 use spectral_core::spectrum::Spectrum;
 use spectral_core::tables;
 
-use super::RenderError;
 use crate::scene::{BsdfId, BsdfKind, ConductorFresnel, Ior, Metal, Scene, SpectrumId};
 use crate::spectral::{Factor, Palette, Role, Tabulated};
+use crate::whitted::RenderError;
 
 /// At how many angles of incidence a metal's reflectance is tabulated; linear in between, within 10⁻³ for metals in the visible.
 const METAL_ANGLES: usize = 48;
 
 /// What a surface does with light.
 #[derive(Clone, Debug)]
-pub(super) enum Material {
+pub(crate) enum Material {
     /// Lambertian.
     Diffuse(Factor),
     /// Schlick's model: spectral factor C, roughness, isotropy.
@@ -28,12 +28,12 @@ pub(super) enum Material {
 
 /// A smooth boundary of transparent media; the interior is behind the normal.
 #[derive(Clone, Debug)]
-pub(super) struct Dielectric {
+pub(crate) struct Dielectric {
     interior: Index,
     exterior: Index,
     /// Factors on reflected and on refracted light.
-    pub(super) reflectance: Factor,
-    pub(super) transmittance: Factor,
+    pub(crate) reflectance: Factor,
+    pub(crate) transmittance: Factor,
     absorption: Option<Index>,
 }
 
@@ -80,25 +80,25 @@ impl Index {
 
 impl Dielectric {
     /// Whether light behaves alike at all wavelengths, but for the constant factors.
-    pub(super) fn is_wavelength_free(&self) -> bool {
+    pub(crate) fn is_wavelength_free(&self) -> bool {
         self.interior.is_constant()
             && self.exterior.is_constant()
             && self.absorption.as_ref().is_none_or(Index::is_constant)
     }
 
     /// Interior index relative to exterior at a wavelength in nm.
-    pub(super) fn relative_index(&self, wavelength: f64) -> f64 {
+    pub(crate) fn relative_index(&self, wavelength: f64) -> f64 {
         self.interior.at(wavelength) / self.exterior.at(wavelength)
     }
 
     /// What remains of light after a way through the interior.
-    pub(super) fn remaining(&self, distance: f64, wavelength: f64) -> f64 {
+    pub(crate) fn remaining(&self, distance: f64, wavelength: f64) -> f64 {
         self.absorption.as_ref().map_or(1.0, |a| (-a.at(wavelength) * distance).exp())
     }
 }
 
 impl Material {
-    pub(super) fn new(scene: &Scene, id: BsdfId, palette: &mut Palette) -> Result<Self, RenderError> {
+    pub(crate) fn new(scene: &Scene, id: BsdfId, palette: &mut Palette) -> Result<Self, RenderError> {
         let mut reflectance = |spectrum: SpectrumId| palette.factor(scene.spectrum(spectrum), Role::Reflectance);
         Ok(match &scene.bsdf(id).kind {
             BsdfKind::Diffuse { reflectance: spectrum } => Self::Diffuse(reflectance(*spectrum)),
@@ -125,7 +125,7 @@ impl Material {
     }
 
     /// The material on the side that was hit; `None` where a one-sided one is black.
-    pub(super) fn side(&self, front: bool) -> Option<&Self> {
+    pub(crate) fn side(&self, front: bool) -> Option<&Self> {
         match self {
             Self::TwoSided(sides) => Some(&sides[usize::from(!front)]),
             Self::Dielectric(_) => Some(self),
@@ -175,7 +175,7 @@ fn metal_cosine(angle: usize) -> f64 {
 
 /// The two neighbouring factors of a mirror at a cosine of incidence, with their weights.
 #[allow(clippy::cast_sign_loss, clippy::cast_possible_truncation, reason = "a place in the table, floored")]
-pub(super) fn mirror_factors(factors: &[Factor], cosine: f64) -> [(Factor, f64); 2] {
+pub(crate) fn mirror_factors(factors: &[Factor], cosine: f64) -> [(Factor, f64); 2] {
     let none = Factor { scale: 0.0, leaf: None };
     if factors.len() < METAL_ANGLES {
         return [(factors.first().copied().unwrap_or(none), 1.0), (none, 0.0)];
@@ -193,7 +193,7 @@ const fn metal_last() -> f64 {
 }
 
 /// Fresnel reflectance of a conductor with index n + i k in air for unpolarised light (Born and Wolf §14.2).
-pub(super) fn conductor_reflectance(cosine: f64, n: f64, k: f64) -> f64 {
+pub(crate) fn conductor_reflectance(cosine: f64, n: f64, k: f64) -> f64 {
     let (c2, s2) = (cosine * cosine, 1.0 - cosine * cosine);
     let t = n * n - k * k - s2;
     let a2_b2 = (t * t + 4.0 * n * n * k * k).sqrt();
@@ -205,7 +205,7 @@ pub(super) fn conductor_reflectance(cosine: f64, n: f64, k: f64) -> f64 {
 
 /// Fresnel reflectance of a dielectric boundary for unpolarised light, and the cosine of refraction; `None` for total
 /// reflection. `eta` is the index behind the boundary relative to the one before it.
-pub(super) fn dielectric_fresnel(cosine: f64, eta: f64) -> Option<(f64, f64)> {
+pub(crate) fn dielectric_fresnel(cosine: f64, eta: f64) -> Option<(f64, f64)> {
     let sine2 = (1.0 - cosine * cosine) / (eta * eta);
     if sine2 >= 1.0 {
         return None;
