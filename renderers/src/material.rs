@@ -1,6 +1,7 @@
 //! Surfaces' materials, with their spectra as factors of rendering expressions.
 
 use spectral_core::dispersion::{Dispersion, Glass};
+use spectral_core::fresnel;
 use spectral_core::spectrum::Spectrum;
 use spectral_core::tables;
 
@@ -159,7 +160,7 @@ fn mirror(scene: &Scene, fresnel: &ConductorFresnel, weight: Factor, palette: &m
     let shape = weight.leaf.and_then(|leaf| palette.leaves().get(leaf as usize)).map(|(s, _)| s.clone());
     let factors = (0..METAL_ANGLES).map(|angle| {
         let cosine = metal_cosine(angle);
-        let values = n.values.iter().zip(&k.values).map(|(n, k)| conductor_reflectance(cosine, *n, *k)).collect();
+        let values = n.values.iter().zip(&k.values).map(|(n, k)| fresnel::conductor(cosine, *n, *k)).collect();
         let metal = Tabulated { wavelengths: n.wavelengths.clone(), values };
         let reflectance = shape.as_ref().map_or(metal.clone(), |s| s.times(&metal));
         palette.leaf(reflectance, weight.scale, Role::Reflectance)
@@ -192,49 +193,11 @@ const fn metal_last() -> f64 {
     (METAL_ANGLES - 1) as f64
 }
 
-/// Fresnel reflectance of a conductor with index n + i k in air for unpolarised light (Born and Wolf §14.2).
-pub(crate) fn conductor_reflectance(cosine: f64, n: f64, k: f64) -> f64 {
-    let (c2, s2) = (cosine * cosine, 1.0 - cosine * cosine);
-    let t = n * n - k * k - s2;
-    let a2_b2 = (t * t + 4.0 * n * n * k * k).sqrt();
-    let a = ((a2_b2 + t) / 2.0).max(0.0).sqrt();
-    let s = (a2_b2 + c2 - 2.0 * a * cosine) / (a2_b2 + c2 + 2.0 * a * cosine);
-    let p = s * (c2 * a2_b2 + s2 * s2 - 2.0 * a * cosine * s2) / (c2 * a2_b2 + s2 * s2 + 2.0 * a * cosine * s2);
-    (s + p) / 2.0
-}
-
-/// Fresnel reflectance of a dielectric boundary for unpolarised light, and the cosine of refraction; `None` for total
-/// reflection. `eta` is the index behind the boundary relative to the one before it.
-pub(crate) fn dielectric_fresnel(cosine: f64, eta: f64) -> Option<(f64, f64)> {
-    let sine2 = (1.0 - cosine * cosine) / (eta * eta);
-    if sine2 >= 1.0 {
-        return None;
-    }
-    let refracted = (1.0 - sine2).sqrt();
-    let s = (cosine - eta * refracted) / (cosine + eta * refracted);
-    let p = (eta * cosine - refracted) / (eta * cosine + refracted);
-    Some(((s * s + p * p) / 2.0, refracted))
-}
-
 #[cfg(test)]
 mod tests {
-    use super::{METAL_ANGLES, conductor_reflectance, dielectric_fresnel, metal_cosine};
+    use spectral_core::fresnel::conductor;
 
-    #[test]
-    fn fresnel_meets_its_closed_forms() {
-        // Normal incidence, grazing incidence, Brewster's angle for p (half of s remains), total reflection.
-        let (r, c) = dielectric_fresnel(1.0, 1.5).unwrap();
-        assert!((r - 0.04).abs() <= 1e-15 && (c - 1.0).abs() <= 1e-15);
-        assert!((dielectric_fresnel(0.0, 1.5).unwrap().0 - 1.0).abs() <= 1e-15);
-        let brewster = (1.0_f64 / (1.0 + 1.5 * 1.5)).sqrt();
-        let s = (1.0_f64 - 2.25) / (1.0 + 2.25);
-        assert!((dielectric_fresnel(brewster, 1.5).unwrap().0 - s * s / 2.0).abs() <= 1e-15);
-        assert!(dielectric_fresnel(0.5, 1.0 / 1.5).is_none());
-        // A conductor at normal incidence, and as a dielectric where k = 0.
-        let normal = ((0.2_f64 - 1.0).powi(2) + 9.0) / ((0.2_f64 + 1.0).powi(2) + 9.0);
-        assert!((conductor_reflectance(1.0, 0.2, 3.0) - normal).abs() <= 1e-15);
-        assert!((conductor_reflectance(0.3, 1.5, 0.0) - dielectric_fresnel(0.3, 1.5).unwrap().0).abs() <= 1e-14);
-    }
+    use super::{METAL_ANGLES, metal_cosine};
 
     #[test]
     fn a_metals_reflectance_is_nearly_linear_between_its_angles() {
@@ -244,8 +207,8 @@ mod tests {
                 let (from, to) = (metal_cosine(angle), metal_cosine(angle + 1));
                 for step in 1..10 {
                     let t = f64::from(step) / 10.0;
-                    let exact = conductor_reflectance(from + (to - from) * t, n, k);
-                    let linear = conductor_reflectance(from, n, k) * (1.0 - t) + conductor_reflectance(to, n, k) * t;
+                    let exact = conductor(from + (to - from) * t, n, k);
+                    let linear = conductor(from, n, k) * (1.0 - t) + conductor(to, n, k) * t;
                     assert!((exact - linear).abs() <= 1e-3, "{n} {k} {from}: {exact} {linear}");
                 }
             }

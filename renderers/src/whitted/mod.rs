@@ -15,11 +15,12 @@
 mod build;
 
 use glam::DVec3;
-use spectral_core::schlick::{Schlick, schlick_fresnel};
+use spectral_core::brdf::Schlick;
+use spectral_core::fresnel;
 
 use crate::direct::{Blockers, Cells, Cover, KnownCells, Light, Part, Receiver, Scratch, Surroundings, single};
 use crate::geometry::{Camera, Hit, Ray, World};
-use crate::material::{Dielectric, Material, dielectric_fresnel, mirror_factors};
+use crate::material::{Dielectric, Material, mirror_factors};
 use crate::spectral::{Deferred, Factor, FactorOrder, Monomial, Monomials, Radiance, Tracer};
 
 /// Paths that count for less are not followed.
@@ -183,7 +184,7 @@ impl<'s> Worker<'s> {
             None | Some(Material::TwoSided(_)) => {}
             Some(Material::Diffuse(reflectance)) => self.diffuse(&hit, path, *reflectance, radiance),
             Some(Material::Schlick { reflectance, roughness, isotropy }) => {
-                if let Some(model) = Schlick::new(*roughness, *isotropy) {
+                if let Ok(model) = Schlick::new(*roughness, *isotropy) {
                     self.schlick(&hit, direction, path, *reflectance, (&model, *roughness), radiance);
                 }
             }
@@ -277,7 +278,7 @@ impl<'s> Worker<'s> {
             self.add(Path { weight: coloured.weight * (1.0 - specular), ..coloured }, *ambient, radiance);
         }
         if specular > 0.0 {
-            let fresnel = schlick_fresnel(view.dot(receiver.normal));
+            let fresnel = fresnel::schlick_factor(view.dot(receiver.normal));
             let shares = [(Some(reflectance), specular * (1.0 - fresnel)), (None, specular * fresnel)];
             self.mirror(hit, direction, path, &shares, radiance);
         }
@@ -412,7 +413,7 @@ fn schlick_terms(model: &Schlick<f64>, receiver: &Receiver, view: DVec3, tangent
     let t = half.dot(receiver.normal).clamp(0.0, 1.0);
     let w = across.normalize_or(tangent).dot(tangent);
     let u = half.dot(part.direction).clamp(0.0, 1.0);
-    (model.geometric(t, v, v_light, w), schlick_fresnel(u))
+    (model.geometric(t, v, v_light, w), fresnel::schlick_factor(u))
 }
 
 /// The surface element that was hit, on the side that was seen.
@@ -438,7 +439,7 @@ fn boundary(dielectric: &Dielectric, hit: &Hit, direction: DVec3, wavelength: f6
     let relative = dielectric.relative_index(wavelength);
     let eta = if hit.front { relative } else { 1.0 / relative };
     let cosine = (-direction.dot(normal)).clamp(0.0, 1.0);
-    match dielectric_fresnel(cosine, eta) {
+    match fresnel::dielectric(cosine, eta) {
         None => (1.0, None),
         Some((share, refracted)) => {
             (share, Some((direction / eta + normal * (cosine / eta - refracted)).normalize_or_zero()))
