@@ -3,8 +3,10 @@
 use core::f64::consts::{FRAC_PI_2, PI};
 use core::fmt;
 
+use spectral_core::brdf::Variant;
+
 use super::data::direction;
-use super::model::Model;
+use super::model::evaluate;
 
 /// The error that is asked for: this share of the albedo, or as much absolutely if that is more.
 const TOLERANCE: f64 = 1e-9;
@@ -56,7 +58,7 @@ impl core::error::Error for AlbedoError {}
 ///
 /// # Errors
 /// [`AlbedoError`].
-pub fn albedo(model: Model, alphas: [f64; 2], [theta, phi]: [f64; 2]) -> Result<Albedo, AlbedoError> {
+pub fn albedo(model: Variant, alphas: [f64; 2], [theta, phi]: [f64; 2]) -> Result<Albedo, AlbedoError> {
     check(alphas, theta)?;
     let light = direction([theta, phi]);
     Ok(over_slopes(alphas, [theta, phi], &|slope| {
@@ -67,7 +69,7 @@ pub fn albedo(model: Model, alphas: [f64; 2], [theta, phi]: [f64; 2]) -> Result<
         if !(view[2] > 0.0 && cosine > 0.0) {
             return 0.0;
         }
-        model.evaluate(alphas, light, view) * view[2] * 4.0 * cosine / (length * length * length)
+        evaluate(model, alphas, light, view) * view[2] * 4.0 * cosine / (length * length * length)
     }))
 }
 

@@ -4,10 +4,11 @@ use core::f64::consts::{FRAC_1_PI, LN_10};
 use core::fmt;
 
 use serde::Serialize;
+use spectral_core::brdf::Variant;
 
 use super::data::Reading;
 use super::least_squares::{Loss, Minimum, N, Problem, Rows};
-use super::model::Model;
+use super::model::evaluate;
 use super::symmetric::{eigenvalues, inverse, normalised, product};
 
 // Places of the parameters: total reflectance, specular share, logarithms of the roughnesses.
@@ -20,10 +21,10 @@ pub const ALPHA_RANGE: [f64; 2] = [1e-4, 4.0];
 /// The roughnesses at which fits start.
 const STARTS: [f64; 2] = [2e-3, 1.0];
 /// How many of them: in one dimension, and along each of two.
-const START_COUNT: [u32; 2] = [13, 7];
+const START_COUNT: [u32; 2] = [25, 7];
 /// Starts agree when their costs do to this share.
 const SAME_COST: f64 = 1e-6;
-/// And their parameters to this share.
+/// And their parameters to this share; with the same cost and other parameters they lie in one valley.
 const SAME_PARAMETERS: f64 = 1e-4;
 /// Of unit columns; beyond it the parameters can't be told apart.
 const WORST_CONDITION: f64 = 1e6;
@@ -149,6 +150,8 @@ pub struct LocalMinimum {
     pub alpha_u: f64,
     /// The roughness along y.
     pub alpha_v: f64,
+    /// The range of √(α_u α_v) where descents ended with this cost: wide in a valley.
+    pub alpha_range: [f64; 2],
 }
 
 /// The readings for one direction of light.
@@ -199,8 +202,8 @@ impl Fit {
 
     /// The fitted BRDF in 1/sr for unit vectors to the light and the viewer.
     #[must_use]
-    pub fn evaluate(&self, model: Model, light: [f64; 3], view: [f64; 3]) -> f64 {
-        self.specular_reflectance * model.evaluate([self.alpha_u, self.alpha_v], light, view)
+    pub fn evaluate(&self, model: Variant, light: [f64; 3], view: [f64; 3]) -> f64 {
+        self.specular_reflectance * evaluate(model, [self.alpha_u, self.alpha_v], light, view)
             + self.diffuse_reflectance * FRAC_1_PI
     }
 }
@@ -218,7 +221,7 @@ impl Fit {
 ///
 /// # Errors
 /// [`FitError`].
-pub fn fit(model: Model, readings: &[Reading], settings: &FitSettings) -> Result<Fit, FitError> {
+pub fn fit(model: Variant, readings: &[Reading], settings: &FitSettings) -> Result<Fit, FitError> {
     let fitter = Fitter::new(model, readings, settings)?;
     let scale = match (settings.loss, settings.loss_scale) {
         (Loss::Linear, _) => 1.0,
@@ -247,6 +250,10 @@ fn typical_size(residuals: &[f64]) -> f64 {
 /// Where some descents ended.
 struct End {
     starts: usize,
+    /// How many of them have the same parameters.
+    agreeing: usize,
+    /// The least and the largest geometric mean of the roughnesses.
+    alphas: [f64; 2],
     minimum: Minimum,
 }
 
@@ -254,25 +261,44 @@ impl End {
     fn describe(&self) -> LocalMinimum {
         let [reflectance, rho_s, u, v] = self.minimum.parameters;
         let cost = 2.0 * self.minimum.cost;
-        LocalMinimum { starts: self.starts, cost, reflectance, rho_s, alpha_u: u.exp(), alpha_v: v.exp() }
+        let (starts, alpha_range) = (self.starts, self.alphas);
+        LocalMinimum { starts, cost, reflectance, rho_s, alpha_u: u.exp(), alpha_v: v.exp(), alpha_range }
     }
 
-    /// Whether a descent ended here, too; without a highlight the roughness means nothing.
-    fn is(&self, other: &Minimum, zero: f64) -> bool {
-        let (a, b) = (&self.minimum, other);
-        let no_highlight = a.parameters[RHO_S] <= 0.0 && b.parameters[RHO_S] <= 0.0;
-        let near = |i: usize| {
-            let (p, q) = (a.parameters[i], b.parameters[i]);
+    /// Where one descent ended.
+    fn new(minimum: Minimum) -> Self {
+        let alpha = mean_alpha(&minimum);
+        Self { starts: 1, agreeing: 1, alphas: [alpha; 2], minimum }
+    }
+
+    /// Adds another that ended as low, and tells whether there was one.
+    fn takes(&mut self, other: &Minimum, zero: f64) -> bool {
+        if !((other.cost - self.minimum.cost).abs() <= SAME_COST * self.minimum.cost + zero) {
+            return false;
+        }
+        self.starts += 1;
+        self.agreeing += usize::from(self.is(other));
+        let alpha = mean_alpha(other);
+        self.alphas = [self.alphas[0].min(alpha), self.alphas[1].max(alpha)];
+        true
+    }
+
+    fn is(&self, other: &Minimum) -> bool {
+        (0..N).all(|i| {
+            let (p, q) = (self.minimum.parameters[i], other.parameters[i]);
             // Roughnesses are logarithms: their difference is a share.
             let size = if i >= ALPHA_U { 1.0 } else { p.abs().max(q.abs()) };
             (p - q).abs() <= SAME_PARAMETERS * size
-        };
-        (b.cost - a.cost).abs() <= SAME_COST * a.cost + zero && (no_highlight || (0..N).all(near))
+        })
     }
 }
 
+fn mean_alpha(minimum: &Minimum) -> f64 {
+    (0.5 * (minimum.parameters[ALPHA_U] + minimum.parameters[ALPHA_V])).exp()
+}
+
 struct Fitter<'s> {
-    model: Model,
+    model: Variant,
     settings: &'s FitSettings,
     /// Sorted, so that the order in the file can't change a digit.
     readings: Vec<Reading>,
@@ -282,7 +308,7 @@ struct Fitter<'s> {
 }
 
 impl<'s> Fitter<'s> {
-    fn new(model: Model, readings: &[Reading], settings: &'s FitSettings) -> Result<Self, FitError> {
+    fn new(model: Variant, readings: &[Reading], settings: &'s FitSettings) -> Result<Self, FitError> {
         if let Some(rho) = settings.reflectance.filter(|&rho| !(rho > 0.0 && rho <= 1.0)) {
             return Err(FitError::Reflectance(rho));
         }
@@ -320,7 +346,7 @@ impl<'s> Fitter<'s> {
         let alphas = self.alphas(parameters);
         let mut rows = Rows::default();
         for (reading, &[light, view]) in self.readings.iter().zip(&self.directions) {
-            let lobe = self.model.evaluate(alphas, light, view);
+            let lobe = evaluate(self.model, alphas, light, view);
             let mixed = rho_s * lobe + (1.0 - rho_s) * FRAC_1_PI;
             let [u, v] = [0, 1].map(|axis| {
                 let slope = (light[axis] + view[axis]) / (light[2] + view[2]) / alphas[axis];
@@ -349,9 +375,8 @@ impl<'s> Fitter<'s> {
             if !self.settings.anisotropic {
                 minimum.parameters[ALPHA_V] = minimum.parameters[ALPHA_U];
             }
-            match ends.iter_mut().find(|end| end.is(&minimum, 1e-14 * size)) {
-                Some(end) => end.starts += 1,
-                None => ends.push(End { starts: 1, minimum }),
+            if !ends.iter_mut().any(|end| end.takes(&minimum, 1e-14 * size)) {
+                ends.push(End::new(minimum));
             }
         }
         ends
@@ -394,7 +419,7 @@ impl<'s> Fitter<'s> {
         let minimum = &end.minimum;
         let [rho, rho_s, ..] = minimum.parameters;
         let [alpha_u, alpha_v] = self.alphas(&minimum.parameters);
-        let doubt = self.doubt(minimum);
+        let doubt = self.doubt(end);
         let uncertainty = self.uncertainty(minimum);
         let residual = minimum.rows.residuals.iter().map(|g| g * g).sum();
         Fit {
@@ -416,7 +441,7 @@ impl<'s> Fitter<'s> {
             covariance: uncertainty.covariance,
             condition_number: condition(minimum),
             starts: 0,
-            starts_agreeing: end.starts,
+            starts_agreeing: end.agreeing,
             iterations: minimum.iterations,
             converged: minimum.converged,
             minima: Vec::new(),
@@ -428,7 +453,8 @@ impl<'s> Fitter<'s> {
     }
 
     /// Why the readings don't determine the parameters, if they don't.
-    fn doubt(&self, minimum: &Minimum) -> Option<String> {
+    fn doubt(&self, end: &End) -> Option<String> {
+        let minimum = &end.minimum;
         let [rho, rho_s, ..] = minimum.parameters;
         if rho_s <= 0.0 || rho <= 0.0 {
             return Some("no highlight: without a specular part the roughness means nothing".to_owned());
@@ -444,6 +470,10 @@ impl<'s> Fitter<'s> {
         let condition = condition(minimum);
         if !(condition <= WORST_CONDITION) {
             return Some(format!("the parameters can't be told apart: condition number {condition:.1e}"));
+        }
+        if end.agreeing < end.starts {
+            let [low, high] = end.alphas;
+            return Some(format!("other parameters fit as well, with roughnesses from {low:.5} to {high:.5}"));
         }
         let uncertainty = self.uncertainty(minimum);
         let unsure = |(i, name): (usize, &&str)| {

@@ -2,13 +2,15 @@
 
 use std::path::Path;
 
+use spectral_core::brdf::Variant;
+
 use super::chart::{Axes, GROUND, INK, TEXT, legend};
 use super::data::direction;
-use super::{Fit, FittedReading, Model};
+use super::{Fit, FittedReading};
 use crate::image::{Anchor, Canvas, ImageError, Rgb8};
 
 const DATA: Rgb8 = INK;
-/// One for each of [`Model::ALL`], and one for a density. Apart for dichromats, too: after Okabe and Ito (2008).
+/// One for each of [`Variant::ALL`], and one for a density. Apart for dichromats, too: after Okabe and Ito (2008).
 const COLOURS: [Rgb8; 5] = [[0, 114, 178], [230, 159, 0], [0, 158, 115], [213, 94, 0], [120, 120, 120]];
 /// Frame of a small chart, with its numbers and titles.
 const PANEL: [f32; 2] = [500.0, 340.0];
@@ -26,7 +28,7 @@ const STEP: f64 = 0.1;
 ///
 /// # Errors
 /// [`ImageError::Io`] when the file can't be written.
-pub fn plot_fits(fits: &[(Model, Fit)], path: &Path) -> Result<(), ImageError> {
+pub fn plot_fits(fits: &[(Variant, Fit)], path: &Path) -> Result<(), ImageError> {
     let readings = fits.first().map_or(&[][..], |(_, fit)| fit.readings.as_slice());
     let groups: Vec<_> = readings.chunk_by(|a, b| incidence(a) == incidence(b)).take(MOST_PANELS).collect();
     let rows = groups.len().div_ceil(COLUMNS);
@@ -67,7 +69,7 @@ fn signed_angle(reading: &FittedReading) -> Option<f64> {
     (near(0.0) || near(360.0)).then_some(-reading.theta_v_deg)
 }
 
-fn panel(canvas: &mut Canvas, [left, top]: [f32; 2], group: &[FittedReading], fits: &[(Model, Fit)]) {
+fn panel(canvas: &mut Canvas, [left, top]: [f32; 2], group: &[FittedReading], fits: &[(Variant, Fit)]) {
     let Some(first) = group.first() else { return };
     let points: Vec<[f64; 2]> = group.iter().filter_map(|r| Some([signed_angle(r)?, r.value])).collect();
     let span = |low: f64, high: f64| if low < 0.0 { [-90.0, 90.0] } else { [0.0, high] };
@@ -94,7 +96,7 @@ fn panel(canvas: &mut Canvas, [left, top]: [f32; 2], group: &[FittedReading], fi
 }
 
 /// A fit in the plane of incidence.
-fn curve(model: Model, fit: &Fit, at: &FittedReading, [low, high]: [f64; 2]) -> Vec<[f64; 2]> {
+fn curve(model: Variant, fit: &Fit, at: &FittedReading, [low, high]: [f64; 2]) -> Vec<[f64; 2]> {
     let light = direction(incidence(at));
     let mut points = Vec::new();
     let mut angle = low.max(-90.0 + STEP);
@@ -111,7 +113,7 @@ fn curve(model: Model, fit: &Fit, at: &FittedReading, [low, high]: [f64; 2]) -> 
 #[derive(Clone, Debug, PartialEq)]
 pub struct AlbedoCurve {
     /// The model; `None` for the density of Ward's sampling.
-    pub model: Option<Model>,
+    pub model: Option<Variant>,
     /// What the legend says.
     pub name: String,
     /// Polar angle of the light in degrees, and albedo.
@@ -120,7 +122,8 @@ pub struct AlbedoCurve {
 
 /// Draws albedos over the whole range of angles and, beside it, those from 80° on, as figures 2.12 and 2.13 of the thesis.
 ///
-/// Curves of one model get different colours. What is above the charts' ranges, 0 to 1.5 and 0 to 3, is cut off.
+/// Curves of one model get different colours. What is above the charts' ranges is cut off: these end a little above 1, or
+/// at 1.5 and 3 if an albedo is beyond.
 ///
 /// # Errors
 /// [`ImageError::Io`] when the file can't be written.
@@ -139,8 +142,12 @@ pub fn plot_albedo(curves: &[AlbedoCurve], path: &Path) -> Result<(), ImageError
         legend(&mut canvas, place, &curve.name, colour_of(index, curve));
     }
     let frames = [[92.0, heading + 20.0, 620.0, 450.0], [852.0, heading + 20.0, 610.0, 450.0]];
-    for (frame, (x, y)) in frames.into_iter().zip([([0.0, 90.0], [0.0, 1.5]), ([80.0, 90.0], [0.0, 3.0])]) {
-        let axes = Axes { frame, x, y };
+    let values = || curves.iter().flat_map(|curve| &curve.points).map(|point| point[1]);
+    let (least, largest) = (values().fold(1.0, f64::min), values().fold(1.0, f64::max));
+    let low = if least >= 0.5 { 0.5 } else { 0.0 };
+    let tops = if largest <= 1.05 { [1.05; 2] } else { [1.5, 3.0] };
+    for ((frame, x), top) in frames.into_iter().zip([[0.0, 90.0], [80.0, 90.0]]).zip(tops) {
+        let axes = Axes { frame, x, y: [low, top] };
         axes.draw(&mut canvas, ["light angle (°)", "albedo"], [9, 6]);
         let one = [axes.point(x[0], 1.0), axes.point(x[1], 1.0)];
         canvas.lines(&one, 1.4, INK);
@@ -152,8 +159,8 @@ pub fn plot_albedo(curves: &[AlbedoCurve], path: &Path) -> Result<(), ImageError
     canvas.write_png(path)
 }
 
-fn colour(model: Model) -> Rgb8 {
-    let place = Model::ALL.iter().position(|&other| other == model).unwrap_or(0);
+fn colour(model: Variant) -> Rgb8 {
+    let place = Variant::ALL.iter().position(|&other| other == model).unwrap_or(0);
     COLOURS[place]
 }
 

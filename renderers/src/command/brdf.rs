@@ -5,12 +5,13 @@ use std::path::{Path, PathBuf};
 use clap::{Args, Subcommand, ValueEnum};
 use rayon::prelude::*;
 use renderers::brdf::{
-    self, Albedo, AlbedoCurve, Fit, FitSettings, LINOLEUM_NAME, LINOLEUM_REFLECTANCE, Loss, Model, Reading, albedo,
+    self, Albedo, AlbedoCurve, Fit, FitSettings, LINOLEUM_NAME, LINOLEUM_REFLECTANCE, Loss, Reading, albedo,
     plot_albedo, plot_fits, sampling_albedo,
 };
 use renderers::report::Table;
 use serde::Serialize;
 use serde_json::{Value, json};
+use spectral_core::brdf::Variant;
 
 use super::{Answer, Failure};
 
@@ -47,13 +48,13 @@ enum Name {
 }
 
 impl Name {
-    fn models(self) -> Vec<Model> {
+    fn models(self) -> Vec<Variant> {
         match self {
-            Self::Ward => vec![Model::Ward],
-            Self::WardDuer => vec![Model::WardDuer],
-            Self::WardNeumann => vec![Model::WardNeumann],
-            Self::Balanced => vec![Model::Balanced],
-            Self::All => Model::ALL.to_vec(),
+            Self::Ward => vec![Variant::Ward],
+            Self::WardDuer => vec![Variant::WardDuer],
+            Self::WardNeumann => vec![Variant::WardNeumann],
+            Self::Balanced => vec![Variant::Balanced],
+            Self::All => Variant::ALL.to_vec(),
         }
     }
 }
@@ -151,8 +152,9 @@ fn parse_range(text: &str) -> Result<Angles, String> {
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "from 1 to the limit")]
     let count =
         if count <= MAX_ANGLES as f64 { count as u32 } else { return Err(format!("more than {MAX_ANGLES} angles")) };
-    // The last step may round to beyond the end.
-    Ok(Angles((0..count).map(|k| (from + f64::from(k) * step).min(to)).collect()))
+    // Sums of decimal steps are not decimal; the last one may even be beyond the end.
+    let decimal = |angle: f64| (angle * 1e9).round() / 1e9;
+    Ok(Angles((0..count).map(|k| decimal(from + f64::from(k) * step).min(to)).collect()))
 }
 
 impl Arguments {
@@ -226,7 +228,7 @@ impl FitArguments {
         FitSettings { reflectance, anisotropic: self.anisotropic, loss, loss_scale: self.loss_scale }
     }
 
-    fn fit(&self, model: Model, readings: &[Reading], settings: &FitSettings) -> Result<Fitted, Failure> {
+    fn fit(&self, model: Variant, readings: &[Reading], settings: &FitSettings) -> Result<Fitted, Failure> {
         let of = |readings: &[Reading]| {
             let named = |error| Failure(format!("{}: {}: {error}", self.data, model.name()));
             brdf::fit(model, readings, settings).map_err(named)
@@ -374,48 +376,42 @@ fn remarks(fitted: &Fitted) -> String {
         text += "the descent did not converge\n";
     }
     for other in fit.minima.iter().skip(1).take(5) {
-        let roughness = if other.alpha_u == other.alpha_v {
-            format!("{:.5}", other.alpha_u)
-        } else {
-            format!("{:.5}, {:.5}", other.alpha_u, other.alpha_v)
-        };
-        text += &format!(
-            "another end of {} starts: cost {:.4}, rho_s {:.5}, alpha {roughness}\n",
-            other.starts, other.cost, other.rho_s
-        );
+        let [low, high] = other.alpha_range;
+        let roughness = if high > 1.0001 * low { format!("{low:.5} to {high:.5}") } else { format!("{low:.5}") };
+        text += &format!("other ends, {}: cost {:.4}, alpha {roughness}\n", other.starts, other.cost);
     }
-    let at_horizon: f64 = fit.incidences.iter().map(|one| one.residual_at_horizon).sum();
-    if let Some(without) = fitted.without_horizon.as_ref().filter(|_| at_horizon > 0.01 * fit.residual) {
-        text += &format!(
-            "{:.0} % of the residual is at views of 90°, where the model is infinite but for rounding;\n\
-             without them: rho_s {:.5}, alpha {:.5}, residual {:.4}\n",
-            100.0 * at_horizon / fit.residual,
-            without.rho_s,
-            without.alpha,
-            without.residual
-        );
+    if let Some(without) = fitted.without_horizon.as_ref().filter(|w| !((w.alpha / fit.alpha - 1.0).abs() <= 0.01)) {
+        let views = fit.readings.len() - without.readings;
+        text +=
+            &format!("the fit hangs on {views} views at 90°, where ward and ward-duer are infinite but for rounding\n");
     }
     text
 }
 
 /// The albedos of a model, or of the density of Ward's sampling.
 struct Curve {
-    model: Option<Model>,
+    model: Option<Variant>,
     alphas: [f64; 2],
+    angles: Vec<f64>,
     albedos: Vec<Albedo>,
 }
 
 impl Curve {
     fn name(&self) -> String {
         let [u, v] = self.alphas;
-        let model = self.model.map_or("pdf of Ward's sampling", Model::name);
+        let model = self.model.map_or("pdf of Ward's sampling", Variant::name);
         if u == v { format!("{model}, alpha {u}") } else { format!("{model}, alpha {u}, {v}") }
+    }
+
+    fn plotted(&self) -> AlbedoCurve {
+        let points = self.angles.iter().zip(&self.albedos).map(|(&theta, albedo)| [theta, albedo.value]).collect();
+        AlbedoCurve { model: self.model, name: self.name(), points }
     }
 
     fn json(&self) -> Value {
         let [u, v] = self.alphas;
         json!({
-            "model": self.model.map_or("sampling", Model::name),
+            "model": self.model.map_or("sampling", Variant::name),
             "alpha_u": u,
             "alpha_v": v,
             "albedo": self.albedos.iter().map(|a| a.value).collect::<Vec<_>>(),
@@ -426,17 +422,17 @@ impl Curve {
 
 impl AlbedoArguments {
     fn run(self) -> Result<Answer, Failure> {
-        let curves = self.curves()?;
+        let curves = self.curves(&self.theta.0)?;
         let mut files = Vec::new();
         if let Some(folder) = &self.out {
             let path = make(folder)?.join("albedo.png");
-            plot_albedo(&curves.iter().map(|curve| self.plotted(curve)).collect::<Vec<_>>(), &path)?;
+            plot_albedo(&self.curves(&plotted_angles())?.iter().map(Curve::plotted).collect::<Vec<_>>(), &path)?;
             files.push(path.display().to_string());
         }
         Ok(Answer { text: self.describe(&curves, &files), json: self.json(&curves, &files) })
     }
 
-    fn curves(&self) -> Result<Vec<Curve>, Failure> {
+    fn curves(&self, angles: &[f64]) -> Result<Vec<Curve>, Failure> {
         let alphas_v = if self.alpha_v.is_empty() { &self.alpha } else { &self.alpha_v };
         if alphas_v.len() != self.alpha.len() {
             let counts = (self.alpha.len(), alphas_v.len());
@@ -455,15 +451,10 @@ impl AlbedoArguments {
                 Some(model) => albedo(model, alphas, [theta, self.phi]),
                 None => sampling_albedo(alphas, [theta, self.phi]),
             };
-            let albedos = self.theta.0.par_iter().map(at).collect::<Result<_, _>>()?;
-            Ok(Curve { model, alphas, albedos })
+            let albedos = angles.par_iter().map(at).collect::<Result<_, _>>()?;
+            Ok(Curve { model, alphas, angles: angles.to_vec(), albedos })
         };
         wanted.into_iter().map(curve).collect()
-    }
-
-    fn plotted(&self, curve: &Curve) -> AlbedoCurve {
-        let points = self.theta.0.iter().zip(&curve.albedos).map(|(&theta, albedo)| [theta, albedo.value]).collect();
-        AlbedoCurve { model: curve.model, name: curve.name(), points }
     }
 
     fn json(&self, curves: &[Curve], files: &[String]) -> Value {
@@ -494,6 +485,12 @@ impl AlbedoArguments {
         };
         files.iter().fold(text, |text, file| text + "\n" + file + "\n")
     }
+}
+
+/// Degrees, closer together towards the horizon.
+fn plotted_angles() -> Vec<f64> {
+    let grid = |from: u32, to: u32, parts: f64| (from..to).map(move |k| f64::from(k) / parts);
+    grid(0, 80, 1.0).chain(grid(800, 899, 10.0)).chain(grid(8990, 9000, 100.0)).collect()
 }
 
 fn make(folder: &Path) -> Result<&Path, Failure> {
