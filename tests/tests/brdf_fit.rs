@@ -107,6 +107,14 @@ fn both_roughnesses_come_out() {
     }
 }
 
+/// In one plane the roughness across it only scales the lobe.
+#[test]
+fn one_plane_does_not_show_the_roughness_across() {
+    let settings = FitSettings { anisotropic: true, ..KNOWN };
+    let found = fit(Variant::Balanced, &linoleum().unwrap(), &settings).unwrap();
+    assert!(!found.determined && found.reason.as_ref().unwrap().ends_with("along y"), "{:?}", found.reason);
+}
+
 #[test]
 fn the_order_of_the_readings_does_not_matter() {
     let readings = linoleum().unwrap();
