@@ -2,6 +2,7 @@
 
 extern crate alloc;
 
+pub mod brdf;
 pub mod compare;
 pub mod direct;
 pub mod geometry;

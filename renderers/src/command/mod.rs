@@ -2,6 +2,7 @@
 //!
 //! Exit codes: 0 when done, 1 when a check failed, 2 for bad input, with one line on stderr.
 
+mod brdf;
 mod compare;
 mod illuminance;
 mod light;
@@ -39,6 +40,8 @@ enum Command {
     Relight(relight::Arguments),
     /// Everything there is to say of a light: colour temperature, colour rendering, action spectra.
     Light(light::Arguments),
+    /// Models of glossy reflection: fitted to measured data, and what they reflect.
+    Brdf(brdf::Arguments),
     /// Illuminance at points of a scene.
     Illuminance(illuminance::Arguments),
     /// List the built-in scenes, or write one out as files for other renderers.
@@ -120,6 +123,7 @@ fn dispatch(arguments: Arguments) -> Result<(Answer, ExitCode), Failure> {
         Command::Compare(compare) => compare.run(),
         Command::Relight(relight) => relight.run(),
         Command::Light(light) => light.run(),
+        Command::Brdf(brdf) => brdf.run(),
         Command::Illuminance(illuminance) => illuminance.run(),
         Command::Scene(scene) => scene.run(),
     }?;
@@ -141,7 +145,7 @@ mod tests {
         for (arguments, expected) in [
             (
                 &[][..],
-                "'spectral' requires a subcommand but one was not provided [subcommands: render, compare, relight, light, illuminance, scene, verify, help]",
+                "'spectral' requires a subcommand but one was not provided [subcommands: render, compare, relight, light, brdf, illuminance, scene, verify, help]",
             ),
             (
                 &["render", "--sise", "4x4"],

@@ -34,6 +34,7 @@
 mod antithetic;
 mod direction;
 mod error;
+mod fit;
 mod lambert;
 mod mixture;
 mod quadrature;

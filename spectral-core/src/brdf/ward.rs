@@ -5,7 +5,7 @@ use core::str::FromStr;
 
 use super::antithetic::{self, Lobe, Side};
 use super::direction::{above, floor, half_slope, minus_ln_1m};
-use super::{Brdf, BrdfError, Sample};
+use super::{Brdf, BrdfError, Sample, fit};
 use crate::Real;
 
 /// A model of the Ward family: what stands beside the exponential that they share.
@@ -128,6 +128,14 @@ impl<R: Real> Ward<R> {
         antithetic::half_vector_pdf(self, light, view)
     }
 
+    /// The albedo by quadrature, with 512 points (1024 if anisotropic); 0 for a view that isn't above the surface.
+    ///
+    /// Within 2·10⁻⁵ relative in `f64`, 10⁻⁴ for Neumann's model, which has a kink where both cosines are equal.
+    /// Of Ward's and Dür's models it grows without bound towards grazing angles, as 1/√cos θ and 1/cos θ.
+    pub fn albedo_by_quadrature(&self, view: [R; 3]) -> R {
+        antithetic::albedo(self, view)
+    }
+
     /// f for the half vector's slope and both cosines.
     #[inline]
     fn value(&self, [x, y]: [R; 2], light_z: R, view_z: R) -> R {
@@ -183,8 +191,13 @@ impl<R: Real> Brdf<R> for Ward<R> {
         antithetic::invert(self, light, view)
     }
 
+    /// Of the balanced model, isotropic and with α ≤ 1, by a fit within 2·10⁻⁴; otherwise [`Ward::albedo_by_quadrature`].
     fn albedo(&self, view: [R; 3]) -> R {
-        antithetic::albedo(self, view)
+        let [alpha, beta] = self.alpha;
+        if self.variant == Variant::Balanced && alpha == beta && alpha <= R::ONE {
+            return above(view).map_or(R::ZERO, |v| fit::albedo(alpha, v[0].hypot(v[1]), v[2]));
+        }
+        self.albedo_by_quadrature(view)
     }
 }
 
