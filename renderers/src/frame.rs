@@ -73,12 +73,12 @@ impl Frame {
     }
 
     /// A direction of the world by its components in this frame.
-    pub(crate) fn to_local(&self, direction: DVec3) -> [f64; 3] {
+    pub(crate) fn to_local(self, direction: DVec3) -> [f64; 3] {
         [self.x, self.y, self.z].map(|axis| axis.dot(direction))
     }
 
     /// The direction of the world with these components.
-    pub(crate) fn to_world(&self, [x, y, z]: [f64; 3]) -> DVec3 {
+    pub(crate) fn to_world(self, [x, y, z]: [f64; 3]) -> DVec3 {
         self.x * x + self.y * y + self.z * z
     }
 }
@@ -119,8 +119,9 @@ mod tests {
         }
     }
 
+    type Row = (&'static str, [f64; 3], [f64; 3], [f64; 3]);
     /// A place off the middle, and the tangent and normal there.
-    const MITSUBA: [(&str, [f64; 3], [f64; 3], [f64; 3]); 5] = [
+    const MITSUBA: [Row; 5] = [
         ("rectangle", [0.3, 0.2, 0.0], [0.702_323, -0.193_665_5, -0.685_008_1], NORMAL),
         ("disk", [0.3, -0.2, 0.0], [0.344_844_4, -0.649_791_2, -0.677_387_5], NORMAL),
         ("sphere", [0.3, 0.2, 0.0], [-0.030_293_4, 0.840_403_7, 0.541_113_6], [0.824_929_6, -0.284_676_7, 0.488_314]),

@@ -35,10 +35,10 @@ pub enum GlossyLight {
 /// Powers of two, so that the pairs of all camera rays of a pixel are well distributed together.
 pub(super) const fn samples(roughness: f64) -> u32 {
     match roughness {
-        r if r < 0.02 => 4,
-        r if r < 0.05 => 8,
-        r if r < 0.2 => 16,
-        _ => 32,
+        r if r < 0.02 => 2,
+        r if r < 0.05 => 4,
+        r if r < 0.2 => 8,
+        _ => 16,
     }
 }
 

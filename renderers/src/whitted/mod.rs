@@ -8,7 +8,7 @@
 //! Of a scene's integrator only the depth counts: mirrors and glass are followed for `direct`, too, and `rr_depth` has no effect, since no
 //! path is ended at random.
 //!
-//! Surfaces of Ward's family are the only ones that take random numbers: their highlights are estimated by 4 to 32 pairs of directions for
+//! Surfaces of Ward's family are the only ones that take random numbers: their highlights are estimated by 2 to 16 pairs of directions for
 //! each camera ray, the more the rougher, and reflect other surfaces; see [`GlossyLight`]. Noise goes down with the camera rays per pixel.
 //!
 //! Approximations: light that reaches a diffuse surface by way of mirrors or glass is not found (caustics), and light between diffuse
