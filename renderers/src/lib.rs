@@ -5,6 +5,7 @@ extern crate alloc;
 pub mod brdf;
 pub mod compare;
 pub mod direct;
+mod frame;
 pub mod geometry;
 pub mod illuminance;
 pub mod image;
