@@ -46,6 +46,9 @@ pub(super) struct Arguments {
     /// Seed of the sample positions; the scene's by default.
     #[arg(long, value_name = "N")]
     seed: Option<u64>,
+    /// What the PNG picture is multiplied by; scenes in cd and lm want some hundreds. The EXR stays as it is.
+    #[arg(long, value_name = "FACTOR", default_value_t = 1.0)]
+    exposure: f32,
     /// Folder for the pictures; made if it isn't there.
     #[arg(long, value_name = "DIR", default_value = "out")]
     out: PathBuf,
@@ -163,7 +166,7 @@ impl Arguments {
             files.push(self.out.join(format!("{stem}{suffix}")));
             files.last().cloned().unwrap_or_default()
         };
-        write_png(&file(".png"), &rendering.picture, 1.0)?;
+        write_png(&file(".png"), &rendering.picture, self.exposure)?;
         let mut channels = vec![("intervals", &rendering.intervals)];
         channels.extend(rendering.delta_e.as_ref().map(|map| ("delta_e.bound", map)));
         channels.extend(rendering.path_delta_e.as_ref().map(|map| ("delta_e.path", map)));

@@ -44,6 +44,7 @@ const ASSETS: &[(&str, &str)] = embedded![
     "meshes/right_wall.obj",
     "meshes/short_block.obj",
     "meshes/tall_block.obj",
+    "spectra/colorchecker_black_2.spd",
     "spectra/colorchecker_blue.spd",
     "spectra/colorchecker_dark_skin.spd",
     "spectra/colorchecker_foliage.spd",
@@ -66,6 +67,7 @@ const ASSETS: &[(&str, &str)] = embedded![
     "spectra/lamp_fl3_15.spd",
     "spectra/lamp_fl7.spd",
     "spectra/lamp_led_v2.spd",
+    "spectra/linoleum_moderate_red.spd",
     "spectra/linoleum_red.spd",
     "spectra/plaster_white.spd",
     "spectra/sodium_low_pressure.spd",
@@ -96,7 +98,8 @@ pub fn load(name: &str, parameters: &[(String, String)]) -> Result<Scene, SceneE
 }
 
 /// Writes a built-in scene and the files that it names into a folder, made if need be, and returns what was written, the
-/// scene first. Mitsuba 3 opens `cornell-box`, `cornell-box-sodium` and `cornell-box-lamp`; the others use extensions.
+/// scene first. Mitsuba 3 opens all but `cornell-box-spheres`,
+/// `cornell-box-paper` and `cri-room`, which use extensions.
 ///
 /// # Errors
 /// An unknown name, or the file that can't be written.
