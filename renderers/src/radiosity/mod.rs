@@ -10,13 +10,17 @@
 //! all around it what it must, and that in closed spaces no light is lost. Disks and
 //! spheres are polyhedra of the same area: 24-sided and of 320 triangles. Surfaces that are neither diffuse nor two-sided diffuse are refused.
 
+mod adapt;
 mod balance;
 mod build;
+mod cell;
 mod contour;
 mod error;
 mod exchange;
+mod field;
 mod gather;
 mod gauss;
+mod intervals;
 mod light;
 mod link;
 mod mesh;
@@ -111,6 +115,17 @@ pub struct Report {
     pub residual: f64,
     /// Bound of the error that the iteration leaves, relative to the largest radiosity: residual / (1 − ρ ΣF); infinite if that is not positive.
     pub iteration_error: f64,
+    /// How often a component of the spectrum was carried through the operator.
+    pub passes: usize,
+    /// Intervals, bins or components of the spectrum.
+    pub intervals: usize,
+    /// Bytes of the radiosities of all patches and groups of them.
+    pub row_bytes: usize,
+    /// Largest bound over all patches of the ΔE*ab that the spectral representation leaves in the colour of what they reflect; 0 where none is
+    /// known. The white is that of Rec. 709, with Y = 1 for a flat radiance of 1.
+    pub delta_e_bound: f64,
+    /// The mean over the patches' area of that bound.
+    pub mean_delta_e_bound: f64,
     /// (Light sent out − light absorbed − light that leaves) / light sent out: the component where this is worst.
     pub energy_balance: f64,
 }
@@ -145,6 +160,8 @@ pub struct Radiosity {
     lit: Vec<f64>,
     transport: Transport,
     balance: Balance,
+    /// ΣF of each leaf.
+    sums: Vec<f64>,
     links: usize,
     uncertain: usize,
 }
@@ -172,9 +189,10 @@ impl Radiosity {
         let mut transport = Transport::new(&patches, &links);
         let balance = balance(&patches, &links, &mut transport, &mut buffer);
         let lit = source::irradiances(&patches, &sources, &transport.leaves);
+        let sums = transport.row_sums(&mut buffer);
         let uncertain = links.iter().filter(|l| !l.clear).count();
         progress(1.0);
-        Ok(Self { settings: *settings, patches, sources, lit, transport, balance, links: links.len(), uncertain })
+        Ok(Self { settings: *settings, patches, sources, lit, transport, balance, sums, links: links.len(), uncertain })
     }
 
     /// The radiosity of all patches, for all numbers of a representation of the palette's spectra.
@@ -185,7 +203,7 @@ impl Radiosity {
         let width = representation.width();
         let leaves = self.transport.leaves.len();
         let mut reflected = vec![0.0; leaves * width];
-        let mut report = self.report();
+        let mut report = Report { intervals: representation.intervals(), ..self.report() };
         let mut buffer = Buffer::default();
         let spectra = Spectra::new(self, representation);
         for first in (0..width).step_by(BLOCK) {
@@ -196,7 +214,10 @@ impl Radiosity {
                 Some(count) => system.bounces(count, &mut buffer),
                 None => system.solve(self.settings.residual, &mut buffer),
             };
-            self.judge(&system, &emitted, &solved, &mut report, &mut buffer);
+            let mut irradiance = vec![0.0; solved.reflected.len()];
+            self.transport.apply(&solved.reflected, &mut irradiance, block, &mut buffer);
+            report.passes += (solved.steps + 2) * block;
+            self.judge(&system, &emitted, &solved, &irradiance, &mut report);
             for (to, from) in reflected.chunks_mut(width).zip(solved.reflected.chunks(block)) {
                 to[first..first + block].copy_from_slice(from);
             }
@@ -229,16 +250,22 @@ impl Radiosity {
         if emitted.iter().any(|e| *e != 0.0) {
             self.transport.apply(&emitted, &mut lit, width, buffer);
         }
-        let mut direct = vec![0.0; emitted.len()];
-        for (index, spectrum) in spectra.lights.sources.chunks(spectra.width).enumerate() {
+        let direct = self.direct(&spectra.lights.sources, spectra.width, first, width);
+        lit.iter_mut().zip(&direct).for_each(|(h, d)| *h += d);
+        let largest_sum = self.balance.largest;
+        (System { transport: &self.transport, width, reflectance, direct, lit, largest_sum }, emitted)
+    }
+
+    /// Irradiance of the leaves from lights without area, for some components of these lights' rows of `all`.
+    fn direct(&self, rows: &[f64], all: usize, first: usize, width: usize) -> Vec<f64> {
+        let mut direct = vec![0.0; self.transport.leaves.len() * width];
+        for (index, spectrum) in rows.chunks(all).enumerate() {
             let spectrum = &spectrum[first..][..width];
             for (row, factor) in direct.chunks_mut(width).zip(self.lit.iter().skip(index).step_by(self.sources.len())) {
                 row.iter_mut().zip(spectrum).for_each(|(h, s)| *h += factor * s);
             }
         }
-        lit.iter_mut().zip(&direct).for_each(|(h, d)| *h += d);
-        let largest_sum = self.balance.largest;
-        (System { transport: &self.transport, width, reflectance, direct, lit, largest_sum }, emitted)
+        direct
     }
 
     /// Refuses closed spaces that reflect everything.
@@ -255,15 +282,12 @@ impl Radiosity {
     }
 
     /// Notes residual and energy balance.
-    fn judge(&self, system: &System<'_>, emitted: &[f64], solved: &Solved, report: &mut Report, buffer: &mut Buffer) {
+    fn judge(&self, system: &System<'_>, emitted: &[f64], solved: &Solved, irradiance: &[f64], report: &mut Report) {
         let width = system.width;
         report.iterations = report.iterations.max(solved.steps);
-        let mut irradiance = vec![0.0; solved.reflected.len()];
-        self.transport.apply(&solved.reflected, &mut irradiance, width, buffer);
-        let sums = self.transport.row_sums(buffer);
         for (component, amplification) in system.amplification().into_iter().enumerate() {
             let (mut sent, mut kept, mut largest) = (0.0, 0.0, 0.0_f64);
-            for (leaf, (area, sum)) in self.transport.areas.iter().zip(&sums).enumerate() {
+            for (leaf, (area, sum)) in self.transport.areas.iter().zip(&self.sums).enumerate() {
                 let i = leaf * width + component;
                 let (emission, reflected) = (emitted[i], solved.reflected[i]);
                 let arriving = system.lit[i] + irradiance[i];
