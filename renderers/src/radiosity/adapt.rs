@@ -16,6 +16,7 @@ use super::field::{Field, Lit, Values, Work};
 use super::intervals::IntervalRows;
 use super::representation::Representation;
 use super::solution::Lights;
+use super::system::Judged;
 use super::transport::{Buffer, Transport};
 use super::{Radiosity, RadiosityError, Report, Solution};
 use crate::spectral::{Factor, IntervalSettings, Palette};
@@ -24,6 +25,8 @@ use crate::spectral::{Factor, IntervalSettings, Palette};
 const MOST_CELLS: usize = 512;
 /// The most reflectances that the model keeps apart.
 const MOST_GROUPS: usize = 64;
+/// The most faces that the model keeps apart.
+const MOST_FACES: usize = 32;
 /// What the model aims at, as a share of the threshold.
 const MARGIN: f64 = 0.8;
 /// How often the model may aim lower.
@@ -147,7 +150,8 @@ impl Radiosity {
                 report.passes += passes;
                 if let Some((cells, values)) = values {
                     let emitted = field.of_lamps(mode, cells, |lamp| &lamp.emitted);
-                    self.judge(&values.system, &emitted, &values.solved, &values.irradiance, &mut report);
+                    let Values { system, solved, irradiance } = values;
+                    self.judge(&Judged::new(system, &emitted, solved, irradiance), &mut report);
                 }
             };
             let mut work =
@@ -218,10 +222,26 @@ impl Radiosity {
         Ok(field)
     }
 
-    /// The transport between groups of leaves of one reflectance, and the group of each leaf.
+    /// The transport between groups of leaves of one reflectance, and the group of each leaf: by faces where these are few.
     fn model(&self, field: &Field<'_>, buffer: &mut Buffer) -> (Transport, Vec<usize>) {
+        let groups = if self.patches.roots <= MOST_FACES { self.faces() } else { self.kinds(field) };
+        let count = groups.iter().max().map_or(0, |most| most + 1);
+        (self.transport.condensed(&groups, count, buffer), groups)
+    }
+
+    /// The face of each leaf.
+    fn faces(&self) -> Vec<usize> {
+        let mut faces: Vec<usize> = (0..self.patches.nodes.len()).collect();
+        for (index, node) in self.patches.nodes.iter().enumerate() {
+            node.children().into_iter().flatten().for_each(|child| faces[child] = faces[index]);
+        }
+        self.transport.leaves.iter().map(|leaf| faces[*leaf as usize]).collect()
+    }
+
+    /// The reflectance of each leaf, by number; those beyond some share these numbers.
+    fn kinds(&self, field: &Field<'_>) -> Vec<usize> {
         let mut known: Vec<(Factor, bool)> = Vec::new();
-        let mut group = |side: &usize| {
+        let group = |side: &usize| {
             let kind = (field.reflectances[*side], self.patches.sides[*side].emission.is_some());
             let place = known.iter().position(|k| *k == kind).unwrap_or_else(|| {
                 known.push(kind);
@@ -229,9 +249,7 @@ impl Radiosity {
             });
             place % MOST_GROUPS
         };
-        let groups: Vec<usize> = field.surface.iter().map(&mut group).collect();
-        let count = groups.iter().max().map_or(0, |most| most + 1);
-        (self.transport.condensed(&groups, count, buffer), groups)
+        field.surface.iter().map(group).collect()
     }
 
     /// Notes the bounds of all patches.

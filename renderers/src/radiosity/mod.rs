@@ -15,6 +15,7 @@ mod balance;
 mod build;
 mod cell;
 mod contour;
+mod coupled;
 mod error;
 mod exchange;
 mod field;
@@ -32,6 +33,7 @@ mod sight;
 mod solution;
 mod solve;
 mod source;
+mod system;
 mod transport;
 
 pub use error::RadiosityError;
@@ -41,21 +43,15 @@ pub use representation::{Flat, Representation, Tristimulus};
 use balance::{Balance, balance};
 use build::Builder;
 use mesh::Patches;
-use solution::Lights;
 pub use solution::Solution;
-use solve::{Solved, System};
 use source::Source;
 use transport::{Buffer, Transport};
-
-use std::sync::Arc;
 
 use glam::DVec3;
 
 use crate::scene::{Integrator, Scene};
 use crate::spectral::Palette;
 
-/// Components that are solved for together.
-const BLOCK: usize = 16;
 /// What a solution aims at.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settings {
@@ -195,36 +191,6 @@ impl Radiosity {
         Ok(Self { settings: *settings, patches, sources, lit, transport, balance, sums, links: links.len(), uncertain })
     }
 
-    /// The radiosity of all patches, for all numbers of a representation of the palette's spectra.
-    ///
-    /// # Errors
-    /// [`RadiosityError::NoSolution`] where the surfaces around a closed space reflect everything.
-    pub fn solve<'r>(&'r self, representation: &'r dyn Representation) -> Result<Solution<'r>, RadiosityError> {
-        let width = representation.width();
-        let leaves = self.transport.leaves.len();
-        let mut reflected = vec![0.0; leaves * width];
-        let mut report = Report { intervals: representation.intervals(), ..self.report() };
-        let mut buffer = Buffer::default();
-        let spectra = Spectra::new(self, representation);
-        for first in (0..width).step_by(BLOCK) {
-            let block = BLOCK.min(width - first);
-            let (system, emitted) = self.system(&spectra, first, block, &mut buffer);
-            self.check(&system)?;
-            let solved = match self.settings.bounces {
-                Some(count) => system.bounces(count, &mut buffer),
-                None => system.solve(self.settings.residual, &mut buffer),
-            };
-            let mut irradiance = vec![0.0; solved.reflected.len()];
-            self.transport.apply(&solved.reflected, &mut irradiance, block, &mut buffer);
-            report.passes += (solved.steps + 2) * block;
-            self.judge(&system, &emitted, &solved, &irradiance, &mut report);
-            for (to, from) in reflected.chunks_mut(width).zip(solved.reflected.chunks(block)) {
-                to[first..first + block].copy_from_slice(from);
-            }
-        }
-        Ok(Solution::new(self, Arc::new(representation), &reflected, report))
-    }
-
     fn report(&self) -> Report {
         Report {
             patches: self.transport.leaves.len(),
@@ -235,96 +201,6 @@ impl Radiosity {
             row_sum_error: self.balance.before,
             scaled_row_sum_error: self.balance.after,
             ..Report::default()
-        }
-    }
-
-    /// The system for some components, and the radiosity that lights send out.
-    fn system(&self, spectra: &Spectra, first: usize, width: usize, buffer: &mut Buffer) -> (System<'_>, Vec<f64>) {
-        let rows = |of_sides: &[f64]| -> Vec<f64> {
-            let side = |leaf: &u32| self.patches.nodes[*leaf as usize].side as usize;
-            let row = |leaf: &u32| of_sides[side(leaf) * spectra.width + first..][..width].to_vec();
-            self.transport.leaves.iter().flat_map(row).collect()
-        };
-        let (reflectance, emitted) = (rows(&spectra.reflectance), rows(&spectra.lights.emission));
-        let mut lit = vec![0.0; emitted.len()];
-        if emitted.iter().any(|e| *e != 0.0) {
-            self.transport.apply(&emitted, &mut lit, width, buffer);
-        }
-        let direct = self.direct(&spectra.lights.sources, spectra.width, first, width);
-        lit.iter_mut().zip(&direct).for_each(|(h, d)| *h += d);
-        let largest_sum = self.balance.largest;
-        (System { transport: &self.transport, width, reflectance, direct, lit, largest_sum }, emitted)
-    }
-
-    /// Irradiance of the leaves from lights without area, for some components of these lights' rows of `all`.
-    fn direct(&self, rows: &[f64], all: usize, first: usize, width: usize) -> Vec<f64> {
-        let mut direct = vec![0.0; self.transport.leaves.len() * width];
-        for (index, spectrum) in rows.chunks(all).enumerate() {
-            let spectrum = &spectrum[first..][..width];
-            for (row, factor) in direct.chunks_mut(width).zip(self.lit.iter().skip(index).step_by(self.sources.len())) {
-                row.iter_mut().zip(spectrum).for_each(|(h, s)| *h += factor * s);
-            }
-        }
-        direct
-    }
-
-    /// Refuses closed spaces that reflect everything.
-    fn check(&self, system: &System<'_>) -> Result<(), RadiosityError> {
-        if self.settings.bounces.is_some() || self.balance.closed < 1.0 {
-            return Ok(());
-        }
-        let all = |i: usize| system.reflectance.iter().skip(i).step_by(system.width).all(|r| *r >= 1.0);
-        if !system.reflectance.is_empty() && (0..system.width).any(all) {
-            Err(RadiosityError::NoSolution)
-        } else {
-            Ok(())
-        }
-    }
-
-    /// Notes residual and energy balance.
-    fn judge(&self, system: &System<'_>, emitted: &[f64], solved: &Solved, irradiance: &[f64], report: &mut Report) {
-        let width = system.width;
-        report.iterations = report.iterations.max(solved.steps);
-        for (component, amplification) in system.amplification().into_iter().enumerate() {
-            let (mut sent, mut kept, mut largest) = (0.0, 0.0, 0.0_f64);
-            for (leaf, (area, sum)) in self.transport.areas.iter().zip(&self.sums).enumerate() {
-                let i = leaf * width + component;
-                let (emission, reflected) = (emitted[i], solved.reflected[i]);
-                let arriving = system.lit[i] + irradiance[i];
-                sent += area * (emission + system.direct[i]);
-                kept += area * (arriving - reflected + (emission + reflected) * (1.0 - sum));
-                largest = largest.max(reflected);
-            }
-            if self.settings.bounces.is_none() && largest > 0.0 {
-                let residual = solved.residual[component] / largest;
-                report.residual = report.residual.max(residual);
-                let bounded = amplification > 1.0 || residual == 0.0;
-                let error = if bounded { residual * amplification } else { f64::INFINITY };
-                report.iteration_error = report.iteration_error.max(error);
-                let balance = (sent - kept) / sent;
-                if balance.abs() >= report.energy_balance.abs() {
-                    report.energy_balance = balance;
-                }
-            }
-        }
-    }
-}
-
-/// Rows of a representation.
-struct Spectra {
-    width: usize,
-    /// Of each side.
-    reflectance: Vec<f64>,
-    lights: Lights,
-}
-
-impl Spectra {
-    fn new(radiosity: &Radiosity, representation: &dyn Representation) -> Self {
-        let row = |side: &mesh::Side| representation::reflectance(representation, side.reflectance);
-        Self {
-            width: representation.width(),
-            reflectance: radiosity.patches.sides.iter().flat_map(row).collect(),
-            lights: Lights::new(radiosity, representation),
         }
     }
 }
