@@ -8,15 +8,18 @@ use spectral_core::adaptive::Mode;
 use spectral_core::bilinear::Tensor;
 use spectral_core::colour::rgb;
 
-use crate::geometry::Filter;
+use rayon::prelude::*;
+
 use crate::geometry::sampling::SobolSequence;
+use crate::geometry::{Filter, Hit};
 use crate::image::{ImageError, MAX_PIXELS, Picture, Raster, ScalarMap};
-use crate::scene::{self, Scene};
+use crate::radiosity::{self, Basis, Field, FieldSettings, Radiosity};
+use crate::scene::{self, Integrator, Scene};
 use crate::spectral::{
     Colour, ComponentResolver, Components, FactorOrder, IntervalMemory, IntervalSettings, Intervals, Palette, Radiance,
-    Resolver, Role, SharedIntervals, Tracer, Uniform, UniformBins,
+    Resolver, Role, RowColour, SharedIntervals, Tracer, Uniform, UniformBins, WithGathered, Y_INTEGRAL,
 };
-use crate::whitted::{RenderError, Whitted, Worker};
+use crate::whitted::{Indirect, RenderError, Whitted, Worker};
 
 /// Pixels along the side of the squares that threads take in turn.
 const TILE: usize = 16;
@@ -31,12 +34,15 @@ pub enum Renderer {
     /// Direct light, mirrors and glass, with a constant ambient term: [`crate::whitted`].
     #[default]
     Whitted,
+    /// The same, with all light between diffuse surfaces: [`crate::radiosity`].
+    Radiosity,
 }
 
 impl core::fmt::Display for Renderer {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         f.write_str(match self {
             Self::Whitted => "whitted",
+            Self::Radiosity => "radiosity",
         })
     }
 }
@@ -101,6 +107,23 @@ pub struct Options {
     pub samples: Option<u32>,
     /// Seed of the sample positions; `None`: the scene's.
     pub seed: Option<u64>,
+    /// How light between surfaces is found, by renderers that do.
+    pub between: BetweenOptions,
+}
+
+/// How [`Renderer::Radiosity`] finds light between surfaces.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BetweenOptions {
+    /// The relative error of indirect irradiance that is aimed at.
+    pub accuracy: f64,
+    /// Whether light is gathered for every camera ray anew instead of being interpolated on surfaces.
+    pub exact: bool,
+}
+
+impl Default for BetweenOptions {
+    fn default() -> Self {
+        Self { accuracy: 0.03, exact: false }
+    }
 }
 
 /// A rendered picture, with what is known of each pixel.
@@ -133,6 +156,7 @@ pub fn render(scene: &Scene, options: &Options, progress: &(dyn Fn(usize) + Sync
     check_area(size)?;
     match options.renderer {
         Renderer::Whitted => whitted(scene, options, size, progress),
+        Renderer::Radiosity => radiosity(scene, options, size, progress),
     }
 }
 
@@ -153,6 +177,7 @@ fn whitted(
         filter: filter(scene.film.filter)?,
         scene: &whitted,
         order: options.spectra.factor_order(),
+        indirect: None,
         progress,
     };
     let (pixels, prepared) = match options.spectra {
@@ -183,6 +208,83 @@ fn whitted(
         }
     };
     pixels.into_rendering(frame.size, prepared).map_err(|e| RenderError::new(e.to_string()))
+}
+
+/// Whitted's ray tracing with radiosity in place of the ambient term.
+fn radiosity(
+    scene: &Scene,
+    options: &Options,
+    size: [u32; 2],
+    progress: &(dyn Fn(usize) + Sync),
+) -> Result<Rendering, RenderError> {
+    let start = Instant::now();
+    let mut palette = Palette::default();
+    let whitted = Whitted::new(scene, size, &mut palette)?;
+    let settings = radiosity::Settings { accuracy: options.between.accuracy, ..radiosity::Settings::default() };
+    let settings = match scene.integrator {
+        Integrator::Path { .. } => settings.limited_by(scene.integrator),
+        _ => settings,
+    };
+    let radiosity = Radiosity::new(scene, &settings, &mut palette, &|_| {}).map_err(|e| RenderError::new(e.to_string()))?;
+    eprintln!("build {:.3}", start.elapsed().as_secs_f64());
+    let frame = Frame {
+        size: size.map(|s| s as usize),
+        samples: options.samples.unwrap_or(scene.sampler.sample_count).max(1),
+        seed: options.seed.unwrap_or(scene.sampler.seed),
+        filter: filter(scene.film.filter)?,
+        scene: &whitted,
+        order: options.spectra.factor_order(),
+        indirect: None,
+        progress,
+    };
+    let job = Job { scene, options, radiosity: &radiosity, frame, start };
+    let (pixels, size, prepared) = match options.spectra {
+        Spectra::Interval(_) => return Err(RenderError::new("not yet")),
+        Spectra::Uniform(count) => {
+            let bins = UniformBins::new(&palette, count).map_err(RenderError::new)?;
+            job.trace(&bins, &|leaves, row| [bins.tristimulus(leaves, row), [0.0; 3]], || Uniform::new(&bins))?
+        }
+        Spectra::Rgb => {
+            let components = Components::naive(&palette).map_err(RenderError::new)?;
+            let colour = |leaves: &[u32], row: &[f64]| {
+                let light = core::array::from_fn(|a| row[a]);
+                [components.tristimulus(leaves, light).map(|v| v * Y_INTEGRAL), [0.0; 3]]
+            };
+            job.trace(&components, &colour, || ComponentResolver::new(&components))?
+        }
+        _ => return Err(RenderError::new("not yet")),
+    };
+    pixels.into_rendering(size, prepared).map_err(|e| RenderError::new(e.to_string()))
+}
+
+/// What is the same for all representations.
+struct Job<'s> {
+    scene: &'s Scene,
+    options: &'s Options,
+    radiosity: &'s Radiosity,
+    frame: Frame<'s>,
+    start: Instant,
+}
+
+impl Job<'_> {
+    fn trace<R: Resolver>(
+        self,
+        basis: &dyn Basis,
+        colour: &RowColour<'_>,
+        new_resolver: impl Fn() -> R + Sync,
+    ) -> Result<(Pixels, [usize; 2], bool), RenderError> {
+        let solution = self.radiosity.solve(basis).map_err(|e| RenderError::new(e.to_string()))?;
+        eprintln!("solved {:.3} {:?}", self.start.elapsed().as_secs_f64(), solution.report());
+        let settings =
+            FieldSettings { accuracy: self.options.between.accuracy, exact: self.options.between.exact };
+        let seen = self.frame.seen();
+        eprintln!("seen {:.3} {}", self.start.elapsed().as_secs_f64(), seen.len());
+        let field = Field::new(self.scene, &solution, settings, &seen, &|row| colour(&[], row)[0]);
+        eprintln!("gathered {:.3} {}", self.start.elapsed().as_secs_f64(), field.gathers());
+        let frame = Frame { indirect: Some(&field), ..self.frame };
+        let pixels = frame.trace(self.start, || WithGathered::new(new_resolver(), colour, false));
+        Ok((pixels, frame.size, false))
+    }
 }
 
 /// Components filtered for the light with the largest luminous flux.
@@ -225,8 +327,13 @@ struct Frame<'s> {
     filter: Filter,
     scene: &'s Whitted,
     order: FactorOrder,
+    /// Light between surfaces, in place of the ambient term.
+    indirect: Option<&'s dyn Indirect>,
     progress: &'s (dyn Fn(usize) + Sync),
 }
+
+/// The most places that the camera sees which light between surfaces is prepared for.
+const MOST_SEEN: usize = 1 << 18;
 
 /// The colours of all pixels, row by row.
 struct Pixels {
@@ -237,6 +344,32 @@ struct Pixels {
 }
 
 impl Frame<'_> {
+    /// Where the camera sees surfaces that light between them matters for: through the middles of pixels, of every one or, in large
+    /// pictures, of some.
+    #[allow(clippy::cast_precision_loss, reason = "pixel coordinates")]
+    fn seen(&self) -> Vec<Hit> {
+        let [width, height] = self.size;
+        let mut stride = 1;
+        while width.div_ceil(stride) * height.div_ceil(stride) > MOST_SEEN {
+            stride += 1;
+        }
+        let row = |y: usize| {
+            let mut worker = Worker::new(self.scene, self.order).noting();
+            for x in (0..width).step_by(stride) {
+                let middle = |p: usize| (p as f64) + stride as f64 / 2.0;
+                let mut radiance = Radiance::default();
+                worker.start_pixel();
+                worker.sample(middle(x), middle(y), 1.0, &mut radiance);
+                for (deferred, _, _) in radiance.deferred() {
+                    worker.trace(*deferred, 587.5618);
+                }
+            }
+            worker.into_noted()
+        };
+        let rows: Vec<usize> = (0..height).step_by(stride).collect();
+        rows.into_par_iter().flat_map_iter(row).collect()
+    }
+
     /// Renders all tiles, each by whichever thread is free; each thread has one resolver.
     fn trace<R: Resolver>(&self, start: Instant, new_resolver: impl Fn() -> R + Sync) -> Pixels {
         let preparation_seconds = start.elapsed().as_secs_f64();
@@ -248,6 +381,9 @@ impl Frame<'_> {
         let shared = Mutex::new((vec![Colour::default(); width * height], 0_u64));
         rayon::broadcast(|_| {
             let mut worker = Worker::new(self.scene, self.order);
+            if let Some(indirect) = self.indirect {
+                worker = worker.with_indirect(indirect);
+            }
             let mut resolver = new_resolver();
             let mut colours = Vec::with_capacity(TILE * TILE);
             loop {

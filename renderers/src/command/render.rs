@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::{Args, ValueEnum};
 use renderers::image::{FalseColour, ScalarMap, Scale, write_exr, write_png};
 use renderers::progress::Progress;
-use renderers::render::{self, Options, Rendering, Spectra};
+use renderers::render::{self, BetweenOptions, Options, Rendering, Spectra};
 use renderers::report::{ChartLabels, Histogram, Table};
 use renderers::scene::{self, Scene, builtin};
 use renderers::spectral::IntervalSettings;
@@ -46,6 +46,12 @@ pub(super) struct Arguments {
     /// Seed of the sample positions; the scene's by default.
     #[arg(long, value_name = "N")]
     seed: Option<u64>,
+    /// The relative error of light between surfaces that radiosity aims at.
+    #[arg(long, value_name = "SHARE", default_value_t = 0.03, allow_negative_numbers = true)]
+    accuracy: f64,
+    /// Gather light between surfaces for every camera ray instead of interpolating it.
+    #[arg(long)]
+    exact: bool,
     /// Folder for the pictures; made if it isn't there.
     #[arg(long, value_name = "DIR", default_value = "out")]
     out: PathBuf,
@@ -57,6 +63,7 @@ pub(super) struct Arguments {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum Renderer {
     Whitted,
+    Radiosity,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -138,8 +145,10 @@ impl Arguments {
         };
         let renderer = match self.renderer {
             Renderer::Whitted => render::Renderer::Whitted,
+            Renderer::Radiosity => render::Renderer::Radiosity,
         };
-        Ok(Options { renderer, spectra, size: self.size, samples: self.spp, seed: self.seed })
+        let between = BetweenOptions { accuracy: self.accuracy, exact: self.exact };
+        Ok(Options { renderer, spectra, size: self.size, samples: self.spp, seed: self.seed, between })
     }
 
     /// A built-in scene if there is one of this name, else a file.

@@ -13,6 +13,7 @@
 mod balance;
 mod basis;
 mod build;
+mod cells;
 mod contour;
 mod error;
 mod exchange;
@@ -21,6 +22,7 @@ mod gauss;
 mod light;
 mod link;
 mod mesh;
+mod picture;
 mod polygon;
 mod scalar;
 mod shade;
@@ -33,6 +35,7 @@ mod transport;
 pub use basis::{Basis, Flat};
 pub use error::RadiosityError;
 pub use light::IndirectRadiosity;
+pub use picture::{Field, FieldSettings};
 
 use balance::{Balance, balance};
 use basis::components;

@@ -65,6 +65,11 @@ impl Components {
         self.leaves.get(leaf as usize)
     }
 
+    /// Tristimulus values of light, given by its components, that meets leaves, the last one first; Y = 1 for a flat radiance of 1.
+    pub fn tristimulus(&self, leaves: &[u32], light: [f64; 3]) -> [f64; 3] {
+        self.space.to_xyz(self.through(leaves, light))
+    }
+
     fn apply(&self, leaf: u32, light: Rgb) -> Rgb {
         let leaf = leaf as usize;
         if let Some(reflection) = self.reflections.as_ref().and_then(|r| r.get(leaf)) {

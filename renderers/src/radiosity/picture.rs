@@ -1,0 +1,191 @@
+//! Radiosity as the indirect light of pictures: a final gather where the camera looks, or interpolated between such gathers.
+
+use std::collections::HashMap;
+
+use glam::DVec3;
+
+use super::Solution;
+use super::cells::{Cells, Chart, Form, Gather, Goal, Seen};
+use super::gather::Place;
+use crate::geometry::{Hit, NO_PRIMITIVE};
+use crate::scene::{Geometry, Scene};
+use crate::whitted::Indirect;
+
+/// How indirect light is gathered for pictures.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FieldSettings {
+    /// The relative error that is aimed at.
+    pub accuracy: f64,
+    /// Whether light is gathered anew at every place that the camera sees, instead of being interpolated.
+    pub exact: bool,
+}
+
+/// Where the patches of a shape are among those of the solution.
+#[derive(Clone, Copy, Debug)]
+enum Patched {
+    /// Primitive by primitive: from the first of the shape in the world of rays to the first in that of the solution.
+    Same([u32; 2]),
+    /// A polyhedron stands for it.
+    Disk,
+    /// The same, and its corners are at this distance from the centre.
+    Sphere(DVec3, f64),
+}
+
+/// The colour of a row on white: tristimulus values.
+type ColourOf<'c> = dyn Fn(&[f64]) -> [f64; 3] + Sync + 'c;
+
+/// Indirect irradiance on the surfaces of a scene.
+pub struct Field<'s> {
+    solution: &'s Solution<'s>,
+    share: f64,
+    shapes: Vec<Patched>,
+    charts: HashMap<(u32, bool), u32>,
+    cells: Option<Cells>,
+}
+
+impl<'s> Field<'s> {
+    /// Prepares for the places that the camera sees. `colour` gives the tristimulus values of a row of the solution on white.
+    #[must_use]
+    pub fn new(
+        scene: &Scene,
+        solution: &'s Solution<'s>,
+        settings: FieldSettings,
+        seen: &[Hit],
+        colour: &ColourOf<'_>,
+    ) -> Self {
+        let mut field = Self {
+            solution,
+            share: SHARE * settings.accuracy,
+            shapes: patched(scene, solution),
+            charts: HashMap::new(),
+            cells: None,
+        };
+        if settings.exact {
+            return field;
+        }
+        let charts = field.chart();
+        let seen: Vec<Seen> =
+            seen.iter().filter_map(|hit| Some((*field.charts.get(&field.key(hit)?)?, hit.position.as_dvec3()))).collect();
+        let goal = Goal { tolerance: BEND * settings.accuracy, floor: FLOOR, crowd: CROWD };
+        field.cells = Some(Cells::new(&charts, &seen, goal, &Gathering { field: &field, colour }));
+        field
+    }
+
+    /// How many gathers interpolation is between; 0 without it.
+    #[must_use]
+    pub fn gathers(&self) -> usize {
+        self.cells.as_ref().map_or(0, Cells::gathers)
+    }
+
+    /// The primitive of the solution and the side that was hit.
+    fn key(&self, hit: &Hit) -> Option<(u32, bool)> {
+        match self.shapes.get(hit.shape as usize)? {
+            Patched::Same([from, to]) => Some((hit.primitive - from + to, hit.front)),
+            Patched::Disk | Patched::Sphere(..) => None,
+        }
+    }
+
+    /// Numbers the flat surfaces that reflect.
+    fn chart(&mut self) -> Vec<Chart> {
+        let patches = &self.solution.radiosity.patches;
+        let mut charts: Vec<Chart> = Vec::new();
+        for node in &patches.nodes[..patches.roots] {
+            let front = patches.blockers[node.primitive as usize].normal.dot(node.polygon.normal) > 0.0;
+            let next = u32::try_from(charts.len()).unwrap_or(u32::MAX);
+            let number = *self.charts.entry((node.primitive, front)).or_insert(next);
+            if number == next {
+                let whole = &patches.blockers[node.primitive as usize];
+                charts.push(Chart {
+                    polygons: Vec::new(),
+                    apex: whole.centre - node.polygon.normal * whole.radius,
+                    form: Form::Flat(node.polygon.normal),
+                    primitive: node.primitive,
+                });
+            }
+            charts[number as usize].polygons.push(node.polygon.corners().to_vec());
+        }
+        charts
+    }
+
+    /// The final gather at a place.
+    fn gather(&self, position: DVec3, normal: DVec3, primitive: u32, row: &mut [f64]) {
+        let place = Place::on(&self.solution.radiosity.patches, position, normal, primitive);
+        row.copy_from_slice(&self.solution.gathered(&place, self.share));
+    }
+}
+
+impl Indirect for Field<'_> {
+    fn width(&self) -> usize {
+        self.solution.width()
+    }
+
+    fn irradiance(&self, hit: &Hit, row: &mut [f64]) {
+        let position = hit.position.as_dvec3();
+        let key = self.key(hit);
+        if let (Some(cells), Some(chart)) = (&self.cells, key.and_then(|key| self.charts.get(&key)))
+            && cells.interpolate(*chart, position, row)
+        {
+            return;
+        }
+        let side = if hit.front { 1.0 } else { -1.0 };
+        let normal = hit.shading_normal.as_dvec3() * side;
+        let patches = &self.solution.radiosity.patches;
+        match self.shapes.get(hit.shape as usize) {
+            Some(Patched::Sphere(centre, reach)) => {
+                let outward = (position - *centre).normalize_or_zero();
+                self.gather(*centre + outward * *reach, normal, NO_PRIMITIVE, row);
+            }
+            Some(Patched::Disk) => self.gather(position, normal, patches.primitive_at(position, normal), row),
+            _ => self.gather(position, normal, key.map_or(NO_PRIMITIVE, |(primitive, _)| primitive), row),
+        }
+    }
+}
+
+/// Gathers of a field, with the colours that tell how good interpolation is.
+struct Gathering<'f, 's> {
+    field: &'f Field<'s>,
+    colour: &'f ColourOf<'f>,
+}
+
+impl Gather for Gathering<'_, '_> {
+    fn width(&self) -> usize {
+        self.field.solution.width()
+    }
+    fn gather(&self, position: DVec3, normal: DVec3, primitive: u32, row: &mut [f64]) {
+        self.field.gather(position, normal, primitive, row);
+    }
+    fn colour(&self, row: &[f64]) -> [f64; 3] {
+        (self.colour)(row)
+    }
+}
+
+/// Patches that count as one change a gather by at most this share of the accuracy, each.
+const SHARE: f64 = 0.05;
+/// The bend of irradiance along an edge of cells, over the accuracy: they are interpolated by quadratics, which are closer than that.
+const BEND: f64 = 1.0;
+/// What is darker than this share of the mean irradiance is interpolated as if it were as bright as that.
+const FLOOR: f64 = 0.1;
+/// The most of the picture that one cell covers.
+const CROWD: f64 = 1.0 / 128.0;
+
+/// What stands for each shape in the solution.
+fn patched(scene: &Scene, solution: &Solution<'_>) -> Vec<Patched> {
+    let world = &solution.radiosity.patches.world;
+    let mut next = 0;
+    let mut of_shape = |(number, geometry): (usize, &Geometry)| {
+        let first = next;
+        next += match geometry {
+            Geometry::Mesh(mesh) => u32::try_from(mesh.triangles.len()).unwrap_or(0),
+            _ => 1,
+        };
+        match geometry {
+            Geometry::Disk { .. } => Patched::Disk,
+            Geometry::Sphere { center, radius, inward } => {
+                // Beyond the corners of the polyhedron, or within its faces.
+                Patched::Sphere(*center, radius * if *inward { 0.97 } else { 1.02 })
+            }
+            Geometry::Rectangle { .. } | Geometry::Mesh(_) => Patched::Same([first, world.primitives(number).start]),
+        }
+    };
+    scene.shapes.iter().enumerate().map(|(number, shape)| of_shape((number, &shape.geometry))).collect()
+}
