@@ -24,6 +24,7 @@ mod link;
 mod mesh;
 mod picture;
 mod polygon;
+mod rays;
 mod scalar;
 mod shade;
 mod sight;

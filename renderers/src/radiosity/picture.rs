@@ -7,6 +7,7 @@ use glam::DVec3;
 use super::Solution;
 use super::cells::{Cells, Chart, Form, Gather, Goal, Seen};
 use super::gather::Place;
+use super::rays::Lookup;
 use crate::geometry::{Hit, NO_PRIMITIVE};
 use crate::scene::{Geometry, Scene};
 use crate::whitted::Indirect;
@@ -37,7 +38,11 @@ type ColourOf<'c> = dyn Fn(&[f64]) -> [f64; 3] + Sync + 'c;
 /// Indirect irradiance on the surfaces of a scene.
 pub struct Field<'s> {
     solution: &'s Solution<'s>,
+    /// Patches that count as one in a final gather.
     share: f64,
+    /// Rays of other gathers, and how they find patches.
+    rays: u32,
+    lookup: Lookup,
     shapes: Vec<Patched>,
     charts: HashMap<(u32, bool), u32>,
     cells: Option<Cells>,
@@ -56,6 +61,8 @@ impl<'s> Field<'s> {
         let mut field = Self {
             solution,
             share: SHARE * settings.accuracy,
+            rays: std::env::var("RAYS").map_or(512, |r| r.parse().unwrap_or(512)),
+            lookup: Lookup::new(&solution.radiosity.patches),
             shapes: patched(scene, solution),
             charts: HashMap::new(),
             cells: None,
@@ -66,7 +73,7 @@ impl<'s> Field<'s> {
         let charts = field.chart();
         let seen: Vec<Seen> =
             seen.iter().filter_map(|hit| Some((*field.charts.get(&field.key(hit)?)?, hit.position.as_dvec3()))).collect();
-        let goal = Goal { tolerance: BEND * settings.accuracy, floor: FLOOR, crowd: CROWD };
+        let goal = Goal { tolerance: std::env::var("BEND").map_or(BEND, |r| r.parse().unwrap_or(BEND)) * settings.accuracy, floor: FLOOR, crowd: CROWD };
         field.cells = Some(Cells::new(&charts, &seen, goal, &Gathering { field: &field, colour }));
         field
     }
@@ -109,6 +116,10 @@ impl<'s> Field<'s> {
 
     /// The final gather at a place.
     fn gather(&self, position: DVec3, normal: DVec3, primitive: u32, row: &mut [f64]) {
+        if self.rays > 0 {
+            row.copy_from_slice(&self.solution.by_rays(&self.lookup, position, normal, primitive, self.rays));
+            return;
+        }
         let place = Place::on(&self.solution.radiosity.patches, position, normal, primitive);
         row.copy_from_slice(&self.solution.gathered(&place, self.share));
     }
