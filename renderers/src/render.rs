@@ -1,6 +1,8 @@
 //! Rendering a scene to pictures: the loop over pixels, the same for every spectral representation.
 
-use core::sync::atomic::{AtomicUsize, Ordering};
+mod between;
+
+use core::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::Mutex;
 use std::time::Instant;
 
@@ -13,13 +15,14 @@ use rayon::prelude::*;
 use crate::geometry::sampling::SobolSequence;
 use crate::geometry::{Filter, Hit};
 use crate::image::{ImageError, MAX_PIXELS, Picture, Raster, ScalarMap};
-use crate::radiosity::{self, Basis, Field, FieldSettings, Radiosity};
-use crate::scene::{self, Integrator, Scene};
+use crate::scene::{self, Scene};
 use crate::spectral::{
     Colour, ComponentResolver, Components, FactorOrder, IntervalMemory, IntervalSettings, Intervals, Palette, Radiance,
-    Resolver, Role, RowColour, SharedIntervals, Tracer, Uniform, UniformBins, WithGathered, Y_INTEGRAL,
+    Resolver, Role, SharedIntervals, Tracer, Uniform, UniformBins,
 };
 use crate::whitted::{Indirect, RenderError, Whitted, Worker};
+
+pub use between::BetweenReport;
 
 /// Pixels along the side of the squares that threads take in turn.
 const TILE: usize = 16;
@@ -143,7 +146,37 @@ pub struct Rendering {
     pub seconds: f64,
     /// Time for preparing: the hierarchy, and the spectra on intervals or bins.
     pub preparation_seconds: f64,
+    /// What became of the light between surfaces, by renderers that find it.
+    pub between: Option<BetweenReport>,
 }
+
+/// Is told how far rendering is; from any thread.
+pub trait Watch: Sync {
+    /// Something begins that takes so many steps.
+    fn stage(&self, name: &str, steps: u64);
+    /// So many steps more are done.
+    fn add(&self, steps: u64);
+}
+
+/// Pixels alone are watched.
+struct Pixelwise<'p> {
+    progress: &'p (dyn Fn(usize) + Sync),
+    in_pixels: AtomicBool,
+}
+
+impl Watch for Pixelwise<'_> {
+    fn stage(&self, name: &str, _: u64) {
+        self.in_pixels.store(name == LAST_STAGE, Ordering::Relaxed);
+    }
+    fn add(&self, steps: u64) {
+        if self.in_pixels.load(Ordering::Relaxed) {
+            (self.progress)(usize::try_from(steps).unwrap_or(usize::MAX));
+        }
+    }
+}
+
+/// The stage in which pixels are made.
+const LAST_STAGE: &str = "render";
 
 /// Renders a scene on all threads of the current rayon pool. `progress` is told how many pixels have been finished, from any thread.
 ///
@@ -152,21 +185,16 @@ pub struct Rendering {
 /// # Errors
 /// What the scene asks for and this renderer can't do.
 pub fn render(scene: &Scene, options: &Options, progress: &(dyn Fn(usize) + Sync)) -> Result<Rendering, RenderError> {
-    let size = options.size.unwrap_or([scene.film.width, scene.film.height]);
-    check_area(size)?;
-    match options.renderer {
-        Renderer::Whitted => whitted(scene, options, size, progress),
-        Renderer::Radiosity => radiosity(scene, options, size, progress),
-    }
+    render_watched(scene, options, &Pixelwise { progress, in_pixels: AtomicBool::new(false) })
 }
 
-/// Whitted's ray tracing.
-fn whitted(
-    scene: &Scene,
-    options: &Options,
-    size: [u32; 2],
-    progress: &(dyn Fn(usize) + Sync),
-) -> Result<Rendering, RenderError> {
+/// The same; `watch` is told of stages and, in the last one, of the pixels that have been finished.
+///
+/// # Errors
+/// What the scene asks for and this renderer can't do.
+pub fn render_watched(scene: &Scene, options: &Options, watch: &dyn Watch) -> Result<Rendering, RenderError> {
+    let size = options.size.unwrap_or([scene.film.width, scene.film.height]);
+    check_area(size)?;
     let start = Instant::now();
     let mut palette = Palette::default();
     let whitted = Whitted::new(scene, size, &mut palette)?;
@@ -178,113 +206,58 @@ fn whitted(
         scene: &whitted,
         order: options.spectra.factor_order(),
         indirect: None,
-        progress,
+        watch,
     };
-    let (pixels, prepared) = match options.spectra {
+    let size = frame.size;
+    let (pixels, bounded, between) = match options.renderer {
+        Renderer::Whitted => {
+            let (pixels, bounded) = ambient(scene, options, &frame, &palette, start)?;
+            (pixels, bounded, None)
+        }
+        Renderer::Radiosity => {
+            let (pixels, bounded, report) = between::render(scene, options, frame, palette, watch)?;
+            (pixels, bounded, Some(report))
+        }
+    };
+    let rendering = pixels.into_rendering(size, bounded).map_err(|e| RenderError::new(e.to_string()))?;
+    Ok(Rendering { between, ..rendering })
+}
+
+/// Whitted's ray tracing with an ambient term.
+fn ambient(
+    scene: &Scene,
+    options: &Options,
+    frame: &Frame<'_>,
+    palette: &Palette,
+    start: Instant,
+) -> Result<(Pixels, bool), RenderError> {
+    Ok(match options.spectra {
         Spectra::Interval(settings) => {
             let mut memory = IntervalMemory::default();
-            let shared = SharedIntervals::new(&palette, settings, &mut memory).map_err(RenderError::new)?;
+            let shared = SharedIntervals::new(palette, settings, &mut memory).map_err(RenderError::new)?;
             (frame.trace(start, || Intervals::new(&shared)), true)
         }
         Spectra::Uniform(count) => {
-            let bins = UniformBins::new(&palette, count).map_err(RenderError::new)?;
+            let bins = UniformBins::new(palette, count).map_err(RenderError::new)?;
             (frame.trace(start, || Uniform::new(&bins)), false)
         }
         Spectra::Rgb => {
-            let components = Components::naive(&palette).map_err(RenderError::new)?;
+            let components = Components::naive(palette).map_err(RenderError::new)?;
             (frame.trace(start, || ComponentResolver::new(&components)), false)
         }
         Spectra::RgbPrefiltered => {
-            let components = prefiltered(scene, &palette)?;
+            let components = prefiltered(scene, palette)?;
             (frame.trace(start, || ComponentResolver::new(&components)), false)
         }
         Spectra::Bilinear => {
-            let components = Components::bilinear(&palette, &Tensor::rec_709()).map_err(RenderError::new)?;
+            let components = Components::bilinear(palette, &Tensor::rec_709()).map_err(RenderError::new)?;
             (frame.trace(start, || ComponentResolver::new(&components)), false)
         }
         Spectra::Smits => {
-            let bins = UniformBins::smits(&palette).map_err(RenderError::new)?;
+            let bins = UniformBins::smits(palette).map_err(RenderError::new)?;
             (frame.trace(start, || Uniform::new(&bins)), false)
         }
-    };
-    pixels.into_rendering(frame.size, prepared).map_err(|e| RenderError::new(e.to_string()))
-}
-
-/// Whitted's ray tracing with radiosity in place of the ambient term.
-fn radiosity(
-    scene: &Scene,
-    options: &Options,
-    size: [u32; 2],
-    progress: &(dyn Fn(usize) + Sync),
-) -> Result<Rendering, RenderError> {
-    let start = Instant::now();
-    let mut palette = Palette::default();
-    let whitted = Whitted::new(scene, size, &mut palette)?;
-    let settings = radiosity::Settings { accuracy: options.between.accuracy, ..radiosity::Settings::default() };
-    let settings = match scene.integrator {
-        Integrator::Path { .. } => settings.limited_by(scene.integrator),
-        _ => settings,
-    };
-    let radiosity = Radiosity::new(scene, &settings, &mut palette, &|_| {}).map_err(|e| RenderError::new(e.to_string()))?;
-    eprintln!("build {:.3}", start.elapsed().as_secs_f64());
-    let frame = Frame {
-        size: size.map(|s| s as usize),
-        samples: options.samples.unwrap_or(scene.sampler.sample_count).max(1),
-        seed: options.seed.unwrap_or(scene.sampler.seed),
-        filter: filter(scene.film.filter)?,
-        scene: &whitted,
-        order: options.spectra.factor_order(),
-        indirect: None,
-        progress,
-    };
-    let job = Job { scene, options, radiosity: &radiosity, frame, start };
-    let (pixels, size, prepared) = match options.spectra {
-        Spectra::Interval(_) => return Err(RenderError::new("not yet")),
-        Spectra::Uniform(count) => {
-            let bins = UniformBins::new(&palette, count).map_err(RenderError::new)?;
-            job.trace(&bins, &|leaves, row| [bins.tristimulus(leaves, row), [0.0; 3]], || Uniform::new(&bins))?
-        }
-        Spectra::Rgb => {
-            let components = Components::naive(&palette).map_err(RenderError::new)?;
-            let colour = |leaves: &[u32], row: &[f64]| {
-                let light = core::array::from_fn(|a| row[a]);
-                [components.tristimulus(leaves, light).map(|v| v * Y_INTEGRAL), [0.0; 3]]
-            };
-            job.trace(&components, &colour, || ComponentResolver::new(&components))?
-        }
-        _ => return Err(RenderError::new("not yet")),
-    };
-    pixels.into_rendering(size, prepared).map_err(|e| RenderError::new(e.to_string()))
-}
-
-/// What is the same for all representations.
-struct Job<'s> {
-    scene: &'s Scene,
-    options: &'s Options,
-    radiosity: &'s Radiosity,
-    frame: Frame<'s>,
-    start: Instant,
-}
-
-impl Job<'_> {
-    fn trace<R: Resolver>(
-        self,
-        basis: &dyn Basis,
-        colour: &RowColour<'_>,
-        new_resolver: impl Fn() -> R + Sync,
-    ) -> Result<(Pixels, [usize; 2], bool), RenderError> {
-        let solution = self.radiosity.solve(basis).map_err(|e| RenderError::new(e.to_string()))?;
-        eprintln!("solved {:.3} {:?}", self.start.elapsed().as_secs_f64(), solution.report());
-        let settings =
-            FieldSettings { accuracy: self.options.between.accuracy, exact: self.options.between.exact };
-        let seen = self.frame.seen();
-        eprintln!("seen {:.3} {}", self.start.elapsed().as_secs_f64(), seen.len());
-        let field = Field::new(self.scene, &solution, settings, &seen, &|row| colour(&[], row)[0]);
-        eprintln!("gathered {:.3} {}", self.start.elapsed().as_secs_f64(), field.gathers());
-        let frame = Frame { indirect: Some(&field), ..self.frame };
-        let pixels = frame.trace(self.start, || WithGathered::new(new_resolver(), colour, false));
-        Ok((pixels, frame.size, false))
-    }
+    })
 }
 
 /// Components filtered for the light with the largest luminous flux.
@@ -329,7 +302,7 @@ struct Frame<'s> {
     order: FactorOrder,
     /// Light between surfaces, in place of the ambient term.
     indirect: Option<&'s dyn Indirect>,
-    progress: &'s (dyn Fn(usize) + Sync),
+    watch: &'s dyn Watch,
 }
 
 /// The most places that the camera sees which light between surfaces is prepared for.
@@ -374,6 +347,7 @@ impl Frame<'_> {
     fn trace<R: Resolver>(&self, start: Instant, new_resolver: impl Fn() -> R + Sync) -> Pixels {
         let preparation_seconds = start.elapsed().as_secs_f64();
         let traced = Instant::now();
+        self.watch.stage(LAST_STAGE, (self.size[0] * self.size[1]) as u64);
         let [width, height] = self.size;
         let across = width.div_ceil(TILE);
         let tiles = across * height.div_ceil(TILE);
@@ -407,7 +381,7 @@ impl Frame<'_> {
                         shared.0[y * width + left..y * width + right].copy_from_slice(row);
                     }
                 }
-                (self.progress)(colours.len());
+                self.watch.add(colours.len() as u64);
             }
             if let Ok(mut shared) = shared.lock() {
                 shared.1 += worker.rays();
@@ -445,6 +419,7 @@ impl Pixels {
             rays: self.rays,
             seconds: self.seconds,
             preparation_seconds: self.preparation_seconds,
+            between: None,
         })
     }
 }

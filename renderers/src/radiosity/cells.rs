@@ -13,20 +13,19 @@ use rayon::prelude::*;
 /// None.
 const NONE: u32 = u32::MAX;
 /// Generations of triangles.
-const GENERATIONS: usize = 24;
+pub(super) const GENERATIONS: usize = 24;
 /// Triangles with fewer places that the camera sees are not split, nor are triangles that start with fewer interpolated.
 const FEW: usize = 3;
 
 /// A surface that irradiance is interpolated on.
 #[derive(Clone, Debug)]
 pub(super) struct Chart {
-    /// Corners of the convex polygons that it is made of, anticlockwise as seen from the side that receives.
-    pub(super) polygons: Vec<Vec<DVec3>>,
+    /// Corners of the convex polygons that it is made of, anticlockwise as seen from the side that receives; each with the primitive,
+    /// among those of the solution, that it is a part of.
+    pub(super) polygons: Vec<(Vec<DVec3>, u32)>,
     /// A point behind all of them.
     pub(super) apex: DVec3,
     pub(super) form: Form,
-    /// The primitive among those of the solution.
-    pub(super) primitive: u32,
 }
 
 /// How a chart is bent.
@@ -34,6 +33,42 @@ pub(super) struct Chart {
 pub(super) enum Form {
     /// Flat, with a normal.
     Flat(DVec3),
+    /// Flat, with a normal at each corner of a triangle, between which normals are interpolated.
+    Smooth([DVec3; 3], [DVec3; 3]),
+    /// A sphere of this radius about the apex, with gathers at another distance; inside or outside.
+    Sphere { radius: f64, reach: f64, inward: bool },
+}
+
+impl Form {
+    /// The normal at a place.
+    fn normal(&self, place: DVec3, apex: DVec3) -> DVec3 {
+        match self {
+            Self::Flat(normal) => *normal,
+            Self::Smooth([a, b, c], normals) => {
+                let whole = (*b - *a).cross(*c - *a);
+                let share = |p: DVec3, q: DVec3| (p - place).cross(q - place).dot(whole);
+                let [x, y, z] = [share(*b, *c), share(*c, *a), share(*a, *b)];
+                (normals[0] * x + normals[1] * y + normals[2] * z).normalize_or(whole.normalize_or_zero())
+            }
+            Self::Sphere { inward, .. } => (place - apex).normalize_or_zero() * if *inward { -1.0 } else { 1.0 },
+        }
+    }
+
+    /// The place on the surface that stands for one on a chord.
+    fn on_surface(&self, place: DVec3, apex: DVec3) -> DVec3 {
+        match self {
+            Self::Sphere { radius, .. } => apex + (place - apex).normalize_or_zero() * *radius,
+            Self::Flat(_) | Self::Smooth(..) => place,
+        }
+    }
+
+    /// Where light is gathered, for a place on the surface and one a little off the edges of its polygon.
+    fn gathered(&self, place: DVec3, inset: DVec3, apex: DVec3) -> DVec3 {
+        match self {
+            Self::Sphere { reach, .. } => apex + (place - apex).normalize_or_zero() * *reach,
+            Self::Flat(_) | Self::Smooth(..) => inset,
+        }
+    }
 }
 
 /// What is asked for irradiance: it fills a row for a position, a normal and a primitive.
@@ -95,14 +130,17 @@ pub(super) struct Cells {
 pub(super) type Seen = (u32, DVec3);
 
 impl Cells {
-    /// Makes cells for the places that the camera sees.
-    pub(super) fn new(charts: &[Chart], seen: &[Seen], goal: Goal, gather: &dyn Gather) -> Self {
+    /// Makes cells for the places that the camera sees; `progress` is told after each generation of them.
+    pub(super) fn new(charts: &[Chart], seen: &[Seen], goal: Goal, gather: &dyn Gather, progress: &dyn Fn(u64)) -> Self {
         let mut cells = Self { width: gather.width(), ..Self::default() };
         for chart in charts {
             cells.add(chart);
         }
         let mut open = cells.assigned(seen);
-        open.retain(|(_, places)| places.len() >= FEW);
+        open.retain(|(number, places)| {
+            let chart = cells.triangles[*number as usize].chart as usize;
+            places.len() >= if matches!(charts[chart].form, Form::Smooth(..)) { 1 } else { FEW }
+        });
         #[allow(clippy::cast_precision_loss, reason = "a count")]
         let crowd = goal.crowd * seen.len() as f64;
         for _ in 0..GENERATIONS {
@@ -110,6 +148,7 @@ impl Cells {
                 break;
             }
             open = cells.refine(open, charts, seen, (goal, crowd), gather);
+            progress(1);
         }
         cells.numbers = HashMap::new();
         cells
@@ -121,14 +160,13 @@ impl Cells {
     }
 
     fn add(&mut self, chart: &Chart) {
-        let Form::Flat(normal) = chart.form;
         let from = self.count();
         let number = u32::try_from(self.apices.len()).unwrap_or(NONE);
-        for polygon in &chart.polygons {
+        for (polygon, primitive) in &chart.polygons {
             #[allow(clippy::cast_precision_loss, reason = "corners are few")]
             let centre = polygon.iter().sum::<DVec3>() / polygon.len() as f64;
             let numbers: Vec<u32> =
-                polygon.iter().map(|c| self.vertex(*c, inset(*c, centre), normal, chart.primitive)).collect();
+                polygon.iter().map(|c| self.vertex(chart, *c, inset(*c, centre), *primitive)).collect();
             for pair in numbers.windows(2).skip(1) {
                 let corners = [numbers[0], pair[0], pair[1]];
                 self.triangles.push(Triangle { corners, chart: number, children: NONE, count: 0 });
@@ -143,11 +181,19 @@ impl Cells {
     }
 
     /// The number of a vertex; equal ones have one.
-    fn vertex(&mut self, position: DVec3, inset: DVec3, normal: DVec3, primitive: u32) -> u32 {
+    fn vertex(&mut self, chart: &Chart, position: DVec3, inset: DVec3, primitive: u32) -> u32 {
+        let position = chart.form.on_surface(position, chart.apex);
+        let inset = chart.form.gathered(position, inset, chart.apex);
+        let normal = chart.form.normal(position, chart.apex);
         let [x, y, z] = position.to_array().map(f64::to_bits);
-        let [u, v, w] = inset.to_array().map(f64::to_bits);
+        let (mark, owner) = match chart.form {
+            // Triangles of a smooth mesh share vertices.
+            Form::Smooth(..) => (normal, NONE),
+            Form::Flat(_) | Form::Sphere { .. } => (inset, primitive),
+        };
+        let [u, v, w] = mark.to_array().map(f64::to_bits);
         let next = u32::try_from(self.vertices.len()).unwrap_or(NONE);
-        let number = *self.numbers.entry([x, y, z, u, v, w, u64::from(primitive)]).or_insert(next);
+        let number = *self.numbers.entry([x, y, z, u, v, w, u64::from(owner)]).or_insert(next);
         if number == next {
             self.vertices.push(Vertex { position, inset, normal, primitive });
             self.rows.resize(self.vertices.len() * self.width, 0.0);
@@ -163,9 +209,8 @@ impl Cells {
             return *known;
         }
         let [a, b] = key.map(|n| self.vertices[n as usize]);
-        let Form::Flat(normal) = chart.form;
         let mean = |a: DVec3, b: DVec3| (a + b) / 2.0;
-        let number = self.vertex(mean(a.position, b.position), mean(a.inset, b.inset), normal, chart.primitive);
+        let number = self.vertex(chart, mean(a.position, b.position), mean(a.inset, b.inset), a.primitive);
         self.middles.insert(key, number);
         number
     }
@@ -392,7 +437,9 @@ impl Cells {
         if triangle.corners.iter().any(|n| self.colours[*n as usize].is_none()) {
             return false;
         }
-        let weights = self.weights(triangle, place).map(|w| w.clamp(0.0, 1.0));
+        let weights = self.weights(triangle, place).map(|w| w.max(0.0));
+        let sum: f64 = weights.iter().sum();
+        let weights = weights.map(|w| w / sum);
         let mut add = |vertex: u32, weight: f64| {
             let from = &self.rows[vertex as usize * self.width..][..self.width];
             row.iter_mut().zip(from).for_each(|(r, f)| *r += weight * f);

@@ -181,8 +181,7 @@ impl Solution<'_> {
                 add(seen, &self.lights.emission[lamp.side as usize * self.width..][..self.width]);
             }
         }
-        let reflectance = &self.lights.reflectance[node.side as usize * self.width..][..self.width];
-        sum.iter_mut().zip(reflectance).for_each(|(s, r)| *s *= r);
+        self.representation.reflect(patches.sides[node.side as usize].reflectance, &mut sum);
         sum
     }
 

@@ -11,7 +11,6 @@
 //! spheres are polyhedra of the same area: 24-sided and of 320 triangles. Surfaces that are neither diffuse nor two-sided diffuse are refused.
 
 mod balance;
-mod basis;
 mod build;
 mod cells;
 mod contour;
@@ -25,6 +24,7 @@ mod mesh;
 mod picture;
 mod polygon;
 mod rays;
+mod representation;
 mod scalar;
 mod shade;
 mod sight;
@@ -33,19 +33,21 @@ mod solve;
 mod source;
 mod transport;
 
-pub use basis::{Basis, Flat};
 pub use error::RadiosityError;
 pub use light::IndirectRadiosity;
 pub use picture::{Field, FieldSettings};
+pub use representation::{Flat, Representation, Tristimulus};
 
 use balance::{Balance, balance};
-use basis::components;
 use build::Builder;
 use mesh::Patches;
+use solution::Lights;
 pub use solution::Solution;
 use solve::{Solved, System};
 use source::Source;
 use transport::{Buffer, Transport};
+
+use std::sync::Arc;
 
 use glam::DVec3;
 
@@ -68,11 +70,25 @@ pub struct Settings {
     pub bounces: Option<u32>,
     /// The most memory in bytes.
     pub memory: usize,
+    /// What becomes of surfaces that are neither diffuse nor two-sided diffuse.
+    pub others: Others,
+}
+
+/// What becomes of surfaces that are neither diffuse nor two-sided diffuse.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Others {
+    /// [`RadiosityError::Material`].
+    #[default]
+    Refused,
+    /// They block light. Schlick's model counts as diffuse but for its specular share; mirrors and glass are black, so that light by
+    /// way of them is left out.
+    Simplified,
 }
 
 impl Default for Settings {
     fn default() -> Self {
-        Self { accuracy: 3e-3, residual: 1e-8, bounces: None, memory: 2 << 30 }
+        Self { accuracy: 3e-3, residual: 1e-8, bounces: None, memory: 2 << 30, others: Others::Refused }
     }
 }
 
@@ -164,7 +180,7 @@ impl Radiosity {
         palette: &mut Palette,
         progress: &(dyn Fn(f64) + Sync),
     ) -> Result<Self, RadiosityError> {
-        let mut patches = Patches::new(scene, palette)?;
+        let mut patches = Patches::new(scene, settings.others, palette)?;
         if scene.shapes.is_empty() {
             return Err(RadiosityError::NothingDiffuse);
         }
@@ -179,19 +195,20 @@ impl Radiosity {
         Ok(Self { settings: *settings, patches, sources, lit, transport, balance, links: links.len(), uncertain })
     }
 
-    /// The radiosity of all patches, for all components of a representation of the palette's spectra.
+    /// The radiosity of all patches, for all numbers of a representation of the palette's spectra.
     ///
     /// # Errors
     /// [`RadiosityError::NoSolution`] where the surfaces around a closed space reflect everything.
-    pub fn solve<'r>(&'r self, basis: &dyn Basis) -> Result<Solution<'r>, RadiosityError> {
-        let width = basis.width();
+    pub fn solve<'r>(&'r self, representation: &'r dyn Representation) -> Result<Solution<'r>, RadiosityError> {
+        let width = representation.width();
         let leaves = self.transport.leaves.len();
         let mut reflected = vec![0.0; leaves * width];
         let mut report = self.report();
         let mut buffer = Buffer::default();
+        let spectra = Spectra::new(self, representation);
         for first in (0..width).step_by(BLOCK) {
             let block = BLOCK.min(width - first);
-            let (system, emitted) = self.system(basis, first, block, &mut buffer);
+            let (system, emitted) = self.system(&spectra, first, block, &mut buffer);
             self.check(&system)?;
             let solved = match self.settings.bounces {
                 Some(count) => system.bounces(count, &mut buffer),
@@ -202,7 +219,7 @@ impl Radiosity {
                 to[first..first + block].copy_from_slice(from);
             }
         }
-        Ok(Solution::new(self, basis, &reflected, report))
+        Ok(Solution::new(self, Arc::new(representation), &reflected, report))
     }
 
     fn report(&self) -> Report {
@@ -219,33 +236,22 @@ impl Radiosity {
     }
 
     /// The system for some components, and the radiosity that lights send out.
-    fn system(&self, basis: &dyn Basis, first: usize, width: usize, buffer: &mut Buffer) -> (System<'_>, Vec<f64>) {
-        let sides = &self.patches.sides;
-        let mut of_sides = vec![[0.0; 2 * BLOCK]; sides.len()];
-        let mut shines = false;
-        for (row, side) in of_sides.iter_mut().zip(sides) {
-            let (reflectance, emission) = row.split_at_mut(BLOCK);
-            components(basis, side.reflectance, first, &mut reflectance[..width]);
-            if let Some(radiance) = side.emission {
-                shines = true;
-                components(basis, radiance, first, &mut emission[..width]);
-                emission.iter_mut().for_each(|e| *e *= core::f64::consts::PI);
-            }
-        }
-        let row = |leaf: &u32| &of_sides[self.patches.nodes[*leaf as usize].side as usize];
-        let leaves = &self.transport.leaves;
-        let reflectance = leaves.iter().flat_map(|leaf| row(leaf)[..width].iter().copied()).collect();
-        let emitted: Vec<f64> = leaves.iter().flat_map(|leaf| row(leaf)[BLOCK..][..width].iter().copied()).collect();
+    fn system(&self, spectra: &Spectra, first: usize, width: usize, buffer: &mut Buffer) -> (System<'_>, Vec<f64>) {
+        let rows = |of_sides: &[f64]| -> Vec<f64> {
+            let side = |leaf: &u32| self.patches.nodes[*leaf as usize].side as usize;
+            let row = |leaf: &u32| of_sides[side(leaf) * spectra.width + first..][..width].to_vec();
+            self.transport.leaves.iter().flat_map(row).collect()
+        };
+        let (reflectance, emitted) = (rows(&spectra.reflectance), rows(&spectra.lights.emission));
         let mut lit = vec![0.0; emitted.len()];
-        if shines {
+        if emitted.iter().any(|e| *e != 0.0) {
             self.transport.apply(&emitted, &mut lit, width, buffer);
         }
         let mut direct = vec![0.0; emitted.len()];
-        let mut spectrum = vec![0.0; width];
-        for (index, source) in self.sources.iter().enumerate() {
-            components(basis, source.spectrum, first, &mut spectrum);
+        for (index, spectrum) in spectra.lights.sources.chunks(spectra.width).enumerate() {
+            let spectrum = &spectrum[first..][..width];
             for (row, factor) in direct.chunks_mut(width).zip(self.lit.iter().skip(index).step_by(self.sources.len())) {
-                row.iter_mut().zip(&spectrum).for_each(|(h, s)| *h += factor * s);
+                row.iter_mut().zip(spectrum).for_each(|(h, s)| *h += factor * s);
             }
         }
         lit.iter_mut().zip(&direct).for_each(|(h, d)| *h += d);
@@ -294,6 +300,25 @@ impl Radiosity {
                     report.energy_balance = balance;
                 }
             }
+        }
+    }
+}
+
+/// Rows of a representation.
+struct Spectra {
+    width: usize,
+    /// Of each side.
+    reflectance: Vec<f64>,
+    lights: Lights,
+}
+
+impl Spectra {
+    fn new(radiosity: &Radiosity, representation: &dyn Representation) -> Self {
+        let row = |side: &mesh::Side| representation::reflectance(representation, side.reflectance);
+        Self {
+            width: representation.width(),
+            reflectance: radiosity.patches.sides.iter().flat_map(row).collect(),
+            lights: Lights::new(radiosity, representation),
         }
     }
 }

@@ -10,10 +10,6 @@ use super::polygon::Polygon;
 use super::sight::surface_point;
 use crate::geometry::Hit;
 
-/// Cells along each side of a primitive that is in several pieces.
-const CELLS: u32 = 32;
-/// No piece, or several.
-const NONE: u32 = u32::MAX;
 /// The share of a turn between neighbouring rays: the golden section.
 const GOLDEN: f64 = 0.618_033_988_749_894_9;
 
@@ -22,16 +18,8 @@ const GOLDEN: f64 = 0.618_033_988_749_894_9;
 pub(super) struct Lookup {
     /// For each node, the line between its halves: the first half is where (x, 1)·line ≤ 0; and the first half.
     halves: Vec<([f64; 4], u32)>,
-    /// For each primitive, what is on its back and on its front.
-    sides: Vec<[Pieces; 2]>,
-}
-
-/// The patches that one side of a primitive starts with.
-#[derive(Clone, Debug, Default)]
-struct Pieces {
-    roots: Vec<u32>,
-    /// By place on the primitive, the root that it is on if that is certain.
-    cells: Vec<u32>,
+    /// For each primitive, the roots on its back and on its front.
+    sides: Vec<[Vec<u32>; 2]>,
 }
 
 impl Lookup {
@@ -40,22 +28,22 @@ impl Lookup {
             None => ([0.0; 4], LEAF),
             Some([first, _]) => (line(&patches.nodes[first].polygon), node.child),
         });
-        let mut sides = vec![[Pieces::default(), Pieces::default()]; patches.blockers.len()];
+        let mut sides = vec![[Vec::new(), Vec::new()]; patches.blockers.len()];
         for (number, node) in (0..).zip(&patches.nodes[..patches.roots]) {
             let front = patches.blockers[node.primitive as usize].normal.dot(node.polygon.normal) > 0.0;
-            sides[node.primitive as usize][usize::from(front)].roots.push(number);
+            sides[node.primitive as usize][usize::from(front)].push(number);
         }
         Self { halves: halves.collect(), sides }
     }
 
     /// The leaf that was hit.
     fn leaf(&self, patches: &Patches, hit: &Hit) -> Option<u32> {
-        let pieces = &self.sides.get(hit.primitive as usize)?[usize::from(hit.front)];
+        let roots = &self.sides.get(hit.primitive as usize)?[usize::from(hit.front)];
         let position = hit.position.as_dvec3();
-        let mut node = match pieces.roots[..] {
+        let mut node = match roots[..] {
             [] => return None,
             [root] => root,
-            _ => nearest(patches, &pieces.roots, position)?,
+            _ => nearest(patches, roots, position)?,
         };
         loop {
             let ([a, b, c, d], child) = self.halves[node as usize];

@@ -65,9 +65,14 @@ impl Components {
         self.leaves.get(leaf as usize)
     }
 
-    /// Tristimulus values of light, given by its components, that meets leaves, the last one first; Y = 1 for a flat radiance of 1.
-    pub fn tristimulus(&self, leaves: &[u32], light: [f64; 3]) -> [f64; 3] {
-        self.space.to_xyz(self.through(leaves, light))
+    /// The space of the components.
+    pub(crate) const fn space(&self) -> &RgbSpace {
+        &self.space
+    }
+
+    /// Whether components are multiplied one by one.
+    pub(crate) const fn multiplies_one_by_one(&self) -> bool {
+        self.reflections.is_none()
     }
 
     fn apply(&self, leaf: u32, light: Rgb) -> Rgb {
@@ -79,7 +84,7 @@ impl Components {
     }
 
     /// Light that meets the factors of a monomial, the last one first.
-    fn through(&self, factors: &[u32], light: Rgb) -> Rgb {
+    pub(crate) fn through(&self, factors: &[u32], light: Rgb) -> Rgb {
         factors.iter().rev().fold(light, |light, leaf| self.apply(*leaf, light))
     }
 

@@ -3,10 +3,10 @@
 use spectral_core::bound::delta_e_bound;
 use spectral_core::colour::rgb;
 
-use super::{Colour, Monomial, Radiance, Resolver, Tracer, Y_INTEGRAL, normalised};
+use super::{Colour, Monomial, Radiance, Resolver, Tracer, Y_INTEGRAL};
 
-/// The tristimulus values ∫Lā in nm of a row of some representation times a product of the palette's leaves, from the eye to the light,
-/// and how far each may be off.
+/// The tristimulus values, Y = 1 for a flat radiance of 1, of a row of some representation times a product of the palette's leaves, from the
+/// eye to the light; and how far each may be off.
 pub type RowColour<'c> = dyn Fn(&[u32], &[f64]) -> [[f64; 3]; 2] + Sync + 'c;
 
 /// The wavelength in nm at which paths of gathered light through dispersive media are taken: the helium d line.
@@ -86,7 +86,6 @@ impl<R: Resolver> Resolver for WithGathered<'_, R> {
             value = core::array::from_fn(|a| value[a] + weight * v[a]);
             radius = core::array::from_fn(|a| radius[a] + weight * r[a]);
         }
-        let (value, radius) = (normalised(value), normalised(radius));
         // One rounding for each sum.
         colour.xyz = core::array::from_fn(|a| colour.xyz[a] + value[a]);
         let rounding = |a: usize| 4.0 * f64::EPSILON * (colour.xyz[a].abs() + radius[a]);

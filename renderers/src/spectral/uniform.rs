@@ -102,16 +102,6 @@ impl UniformBins {
         &self.weights
     }
 
-    /// Tristimulus values in nm of a spectrum times a product of leaves.
-    pub fn tristimulus(&self, leaves: &[u32], spectrum: &[f64]) -> [f64; 3] {
-        let mut xyz = [0.0; 3];
-        for (bin, value) in spectrum.iter().enumerate().take(self.count) {
-            let product = leaves.iter().fold(*value, |p, leaf| p * self.leaves[*leaf as usize][bin]);
-            xyz = core::array::from_fn(|a| xyz[a] + product * self.weights[a][bin]);
-        }
-        xyz
-    }
-
     /// The middle of a bin in nm.
     pub(crate) fn centre(&self, bin: usize) -> f64 {
         self.centres[bin]
