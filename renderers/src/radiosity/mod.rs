@@ -14,6 +14,7 @@ mod adapt;
 mod balance;
 mod build;
 mod cell;
+mod cells;
 mod contour;
 mod coupled;
 mod error;
@@ -25,7 +26,9 @@ mod intervals;
 mod light;
 mod link;
 mod mesh;
+mod picture;
 mod polygon;
+mod rays;
 mod representation;
 mod scalar;
 mod shade;
@@ -38,6 +41,7 @@ mod transport;
 
 pub use error::RadiosityError;
 pub use light::IndirectRadiosity;
+pub use picture::{Field, FieldSettings};
 pub use representation::{Flat, Representation, Tristimulus};
 
 use balance::{Balance, balance};
@@ -66,11 +70,25 @@ pub struct Settings {
     pub bounces: Option<u32>,
     /// The most memory in bytes.
     pub memory: usize,
+    /// What becomes of surfaces that are neither diffuse nor two-sided diffuse.
+    pub others: Others,
+}
+
+/// What becomes of surfaces that are neither diffuse nor two-sided diffuse.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Others {
+    /// [`RadiosityError::Material`].
+    #[default]
+    Refused,
+    /// They block light. Schlick's model counts as diffuse but for its specular share; mirrors and glass are black, so that light by
+    /// way of them is left out.
+    Simplified,
 }
 
 impl Default for Settings {
     fn default() -> Self {
-        Self { accuracy: 3e-3, residual: 1e-8, bounces: None, memory: 2 << 30 }
+        Self { accuracy: 3e-3, residual: 1e-8, bounces: None, memory: 2 << 30, others: Others::Refused }
     }
 }
 
@@ -175,7 +193,7 @@ impl Radiosity {
         palette: &mut Palette,
         progress: &(dyn Fn(f64) + Sync),
     ) -> Result<Self, RadiosityError> {
-        let mut patches = Patches::new(scene, palette)?;
+        let mut patches = Patches::new(scene, settings.others, palette)?;
         if scene.shapes.is_empty() {
             return Err(RadiosityError::NothingDiffuse);
         }
