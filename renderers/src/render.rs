@@ -1,6 +1,8 @@
 //! Rendering a scene to pictures: the loop over pixels, the same for every spectral representation.
 
-use core::sync::atomic::{AtomicUsize, Ordering};
+mod between;
+
+use core::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::Mutex;
 use std::time::Instant;
 
@@ -8,15 +10,19 @@ use spectral_core::adaptive::Mode;
 use spectral_core::bilinear::Tensor;
 use spectral_core::colour::rgb;
 
-use crate::geometry::Filter;
+use rayon::prelude::*;
+
 use crate::geometry::sampling::SobolSequence;
+use crate::geometry::{Filter, Hit};
 use crate::image::{ImageError, MAX_PIXELS, Picture, Raster, ScalarMap};
 use crate::scene::{self, Scene};
 use crate::spectral::{
     Colour, ComponentResolver, Components, FactorOrder, IntervalMemory, IntervalSettings, Intervals, Palette, Radiance,
     Resolver, Role, SharedIntervals, Tracer, Uniform, UniformBins,
 };
-use crate::whitted::{RenderError, Whitted, Worker};
+use crate::whitted::{Indirect, RenderError, Whitted, Worker};
+
+pub use between::BetweenReport;
 
 /// Pixels along the side of the squares that threads take in turn.
 const TILE: usize = 16;
@@ -31,12 +37,15 @@ pub enum Renderer {
     /// Direct light, mirrors and glass, with a constant ambient term: [`crate::whitted`].
     #[default]
     Whitted,
+    /// The same, with all light between diffuse surfaces: [`crate::radiosity`].
+    Radiosity,
 }
 
 impl core::fmt::Display for Renderer {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         f.write_str(match self {
             Self::Whitted => "whitted",
+            Self::Radiosity => "radiosity",
         })
     }
 }
@@ -101,6 +110,23 @@ pub struct Options {
     pub samples: Option<u32>,
     /// Seed of the sample positions; `None`: the scene's.
     pub seed: Option<u64>,
+    /// How light between surfaces is found, by renderers that do.
+    pub between: BetweenOptions,
+}
+
+/// How [`Renderer::Radiosity`] finds light between surfaces.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BetweenOptions {
+    /// The relative error of indirect irradiance that is aimed at.
+    pub accuracy: f64,
+    /// Whether light is gathered for every camera ray anew instead of being interpolated on surfaces.
+    pub exact: bool,
+}
+
+impl Default for BetweenOptions {
+    fn default() -> Self {
+        Self { accuracy: 0.03, exact: false }
+    }
 }
 
 /// A rendered picture, with what is known of each pixel.
@@ -120,7 +146,37 @@ pub struct Rendering {
     pub seconds: f64,
     /// Time for preparing: the hierarchy, and the spectra on intervals or bins.
     pub preparation_seconds: f64,
+    /// What became of the light between surfaces, by renderers that find it.
+    pub between: Option<BetweenReport>,
 }
+
+/// Is told how far rendering is; from any thread.
+pub trait Watch: Sync {
+    /// Something begins that takes so many steps.
+    fn stage(&self, name: &str, steps: u64);
+    /// So many steps more are done.
+    fn add(&self, steps: u64);
+}
+
+/// Pixels alone are watched.
+struct Pixelwise<'p> {
+    progress: &'p (dyn Fn(usize) + Sync),
+    in_pixels: AtomicBool,
+}
+
+impl Watch for Pixelwise<'_> {
+    fn stage(&self, name: &str, _: u64) {
+        self.in_pixels.store(name == LAST_STAGE, Ordering::Relaxed);
+    }
+    fn add(&self, steps: u64) {
+        if self.in_pixels.load(Ordering::Relaxed) {
+            (self.progress)(usize::try_from(steps).unwrap_or(usize::MAX));
+        }
+    }
+}
+
+/// The stage in which pixels are made.
+const LAST_STAGE: &str = "render";
 
 /// Renders a scene on all threads of the current rayon pool. `progress` is told how many pixels have been finished, from any thread.
 ///
@@ -129,20 +185,16 @@ pub struct Rendering {
 /// # Errors
 /// What the scene asks for and this renderer can't do.
 pub fn render(scene: &Scene, options: &Options, progress: &(dyn Fn(usize) + Sync)) -> Result<Rendering, RenderError> {
-    let size = options.size.unwrap_or([scene.film.width, scene.film.height]);
-    check_area(size)?;
-    match options.renderer {
-        Renderer::Whitted => whitted(scene, options, size, progress),
-    }
+    render_watched(scene, options, &Pixelwise { progress, in_pixels: AtomicBool::new(false) })
 }
 
-/// Whitted's ray tracing.
-fn whitted(
-    scene: &Scene,
-    options: &Options,
-    size: [u32; 2],
-    progress: &(dyn Fn(usize) + Sync),
-) -> Result<Rendering, RenderError> {
+/// The same; `watch` is told of stages and, in the last one, of the pixels that have been finished.
+///
+/// # Errors
+/// What the scene asks for and this renderer can't do.
+pub fn render_watched(scene: &Scene, options: &Options, watch: &dyn Watch) -> Result<Rendering, RenderError> {
+    let size = options.size.unwrap_or([scene.film.width, scene.film.height]);
+    check_area(size)?;
     let start = Instant::now();
     let mut palette = Palette::default();
     let whitted = Whitted::new(scene, size, &mut palette)?;
@@ -153,36 +205,59 @@ fn whitted(
         filter: filter(scene.film.filter)?,
         scene: &whitted,
         order: options.spectra.factor_order(),
-        progress,
+        indirect: None,
+        watch,
     };
-    let (pixels, prepared) = match options.spectra {
+    let size = frame.size;
+    let (pixels, bounded, between) = match options.renderer {
+        Renderer::Whitted => {
+            let (pixels, bounded) = ambient(scene, options, &frame, &palette, start)?;
+            (pixels, bounded, None)
+        }
+        Renderer::Radiosity => {
+            let (pixels, bounded, report) = between::render(scene, options, frame, palette, watch)?;
+            (pixels, bounded, Some(report))
+        }
+    };
+    let rendering = pixels.into_rendering(size, bounded).map_err(|e| RenderError::new(e.to_string()))?;
+    Ok(Rendering { between, ..rendering })
+}
+
+/// Whitted's ray tracing with an ambient term.
+fn ambient(
+    scene: &Scene,
+    options: &Options,
+    frame: &Frame<'_>,
+    palette: &Palette,
+    start: Instant,
+) -> Result<(Pixels, bool), RenderError> {
+    Ok(match options.spectra {
         Spectra::Interval(settings) => {
             let mut memory = IntervalMemory::default();
-            let shared = SharedIntervals::new(&palette, settings, &mut memory).map_err(RenderError::new)?;
+            let shared = SharedIntervals::new(palette, settings, &mut memory).map_err(RenderError::new)?;
             (frame.trace(start, || Intervals::new(&shared)), true)
         }
         Spectra::Uniform(count) => {
-            let bins = UniformBins::new(&palette, count).map_err(RenderError::new)?;
+            let bins = UniformBins::new(palette, count).map_err(RenderError::new)?;
             (frame.trace(start, || Uniform::new(&bins)), false)
         }
         Spectra::Rgb => {
-            let components = Components::naive(&palette).map_err(RenderError::new)?;
+            let components = Components::naive(palette).map_err(RenderError::new)?;
             (frame.trace(start, || ComponentResolver::new(&components)), false)
         }
         Spectra::RgbPrefiltered => {
-            let components = prefiltered(scene, &palette)?;
+            let components = prefiltered(scene, palette)?;
             (frame.trace(start, || ComponentResolver::new(&components)), false)
         }
         Spectra::Bilinear => {
-            let components = Components::bilinear(&palette, &Tensor::rec_709()).map_err(RenderError::new)?;
+            let components = Components::bilinear(palette, &Tensor::rec_709()).map_err(RenderError::new)?;
             (frame.trace(start, || ComponentResolver::new(&components)), false)
         }
         Spectra::Smits => {
-            let bins = UniformBins::smits(&palette).map_err(RenderError::new)?;
+            let bins = UniformBins::smits(palette).map_err(RenderError::new)?;
             (frame.trace(start, || Uniform::new(&bins)), false)
         }
-    };
-    pixels.into_rendering(frame.size, prepared).map_err(|e| RenderError::new(e.to_string()))
+    })
 }
 
 /// Components filtered for the light with the largest luminous flux.
@@ -225,8 +300,13 @@ struct Frame<'s> {
     filter: Filter,
     scene: &'s Whitted,
     order: FactorOrder,
-    progress: &'s (dyn Fn(usize) + Sync),
+    /// Light between surfaces, in place of the ambient term.
+    indirect: Option<&'s dyn Indirect>,
+    watch: &'s dyn Watch,
 }
+
+/// The most places that the camera sees which light between surfaces is prepared for.
+const MOST_SEEN: usize = 1 << 18;
 
 /// The colours of all pixels, row by row.
 struct Pixels {
@@ -237,10 +317,37 @@ struct Pixels {
 }
 
 impl Frame<'_> {
+    /// Where the camera sees surfaces that light between them matters for: through the middles of pixels, of every one or, in large
+    /// pictures, of some.
+    #[allow(clippy::cast_precision_loss, reason = "pixel coordinates")]
+    fn seen(&self) -> Vec<Hit> {
+        let [width, height] = self.size;
+        let mut stride = 1;
+        while width.div_ceil(stride) * height.div_ceil(stride) > MOST_SEEN {
+            stride += 1;
+        }
+        let row = |y: usize| {
+            let mut worker = Worker::new(self.scene, self.order).noting();
+            for x in (0..width).step_by(stride) {
+                let middle = |p: usize| (p as f64) + stride as f64 / 2.0;
+                let mut radiance = Radiance::default();
+                worker.start_pixel(self.points(x, y));
+                worker.sample(middle(x), middle(y), 1.0, &mut radiance);
+                for (deferred, _, _) in radiance.deferred() {
+                    worker.trace(*deferred, 587.5618);
+                }
+            }
+            worker.into_noted()
+        };
+        let rows: Vec<usize> = (0..height).step_by(stride).collect();
+        rows.into_par_iter().flat_map_iter(row).collect()
+    }
+
     /// Renders all tiles, each by whichever thread is free; each thread has one resolver.
     fn trace<R: Resolver>(&self, start: Instant, new_resolver: impl Fn() -> R + Sync) -> Pixels {
         let preparation_seconds = start.elapsed().as_secs_f64();
         let traced = Instant::now();
+        self.watch.stage(LAST_STAGE, (self.size[0] * self.size[1]) as u64);
         let [width, height] = self.size;
         let across = width.div_ceil(TILE);
         let tiles = across * height.div_ceil(TILE);
@@ -248,6 +355,9 @@ impl Frame<'_> {
         let shared = Mutex::new((vec![Colour::default(); width * height], 0_u64));
         rayon::broadcast(|_| {
             let mut worker = Worker::new(self.scene, self.order);
+            if let Some(indirect) = self.indirect {
+                worker = worker.with_indirect(indirect);
+            }
             let mut resolver = new_resolver();
             let mut colours = Vec::with_capacity(TILE * TILE);
             loop {
@@ -271,7 +381,7 @@ impl Frame<'_> {
                         shared.0[y * width + left..y * width + right].copy_from_slice(row);
                     }
                 }
-                (self.progress)(colours.len());
+                self.watch.add(colours.len() as u64);
             }
             if let Ok(mut shared) = shared.lock() {
                 shared.1 += worker.rays();
@@ -281,13 +391,19 @@ impl Frame<'_> {
         Pixels { colours, rays, seconds: traced.elapsed().as_secs_f64(), preparation_seconds }
     }
 
+    /// The random numbers of a pixel.
+    #[allow(clippy::cast_possible_truncation, reason = "a hashed seed; pictures are smaller")]
+    const fn points(&self, x: usize, y: usize) -> SobolSequence {
+        let seed = (self.seed ^ (self.seed >> 32)) as u32;
+        SobolSequence::for_pixel(x as u32, y as u32, seed)
+    }
+
     /// One pixel: all its camera rays in one expression, evaluated once.
-    #[allow(clippy::cast_precision_loss, clippy::cast_possible_truncation, reason = "pixel coordinates; a hashed seed")]
+    #[allow(clippy::cast_precision_loss, reason = "pixel coordinates")]
     fn pixel<R: Resolver>(&self, x: usize, y: usize, worker: &mut Worker<'_>, resolver: &mut R) -> Colour {
         let mut radiance = Radiance::default();
         let weight = 1.0 / f64::from(self.samples);
-        let seed = (self.seed ^ (self.seed >> 32)) as u32;
-        let points = SobolSequence::for_pixel(x as u32, y as u32, seed);
+        let points = self.points(x, y);
         worker.start_pixel(points);
         for sample in 0..self.samples {
             let [dx, dy] = self.filter.square_to_offset(points.point(sample, 0)).map(f64::from);
@@ -309,6 +425,7 @@ impl Pixels {
             rays: self.rays,
             seconds: self.seconds,
             preparation_seconds: self.preparation_seconds,
+            between: None,
         })
     }
 }

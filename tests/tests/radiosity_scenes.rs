@@ -6,9 +6,9 @@ use renderers::direct;
 use renderers::geometry::glam::Vec3A;
 use renderers::geometry::sampling::square_to_cosine_hemisphere;
 use renderers::geometry::{Hit, SurfacePoint, World};
-use renderers::radiosity::{Basis, Flat, IndirectRadiosity, Radiosity, Settings};
+use renderers::radiosity::{Flat, IndirectRadiosity, Radiosity, Representation, Settings, Tristimulus};
 use renderers::scene::{Scene, Source, builtin, load};
-use renderers::spectral::{Components, Palette, UniformBins};
+use renderers::spectral::{Components, Factor, Palette, UniformBins};
 use spectral_tests::generators::Draw;
 
 /// A room of 2 m, open to −y, with a block on the floor and a lamp under the ceiling; all surfaces reflect the same.
@@ -96,14 +96,29 @@ fn agrees_with_random_walks() {
 }
 
 /// One component of another representation.
-struct Single<'b>(&'b dyn Basis, usize);
+#[derive(Debug)]
+struct Single<'b>(&'b dyn Representation, usize);
 
-impl Basis for Single<'_> {
+impl Single<'_> {
+    fn with(&self, row: &mut [f64], change: impl Fn(&mut [f64])) {
+        let mut all = vec![row[0]; self.0.width()];
+        change(&mut all);
+        row[0] = all[self.1];
+    }
+}
+
+impl Representation for Single<'_> {
     fn width(&self) -> usize {
         1
     }
-    fn leaf(&self, leaf: u32) -> Option<&[f64]> {
-        self.0.leaf(leaf).map(|values| &values[self.1..=self.1])
+    fn light(&self, factor: Factor, row: &mut [f64]) {
+        self.with(row, |all| self.0.light(factor, all));
+    }
+    fn reflect(&self, factor: Factor, row: &mut [f64]) {
+        self.with(row, |all| self.0.reflect(factor, all));
+    }
+    fn colour(&self, _: &[u32], _: &[f64]) -> Tristimulus {
+        Tristimulus::default()
     }
 }
 
@@ -114,7 +129,7 @@ fn one_operator_serves_all_spectra() {
     let settings = Settings { accuracy: 3e-2, ..Settings::default() };
     let radiosity = Radiosity::new(&scene, &settings, &mut palette, &|_| {}).unwrap();
     let (bins, rgb) = (UniformBins::new(&palette, 81).unwrap(), Components::naive(&palette).unwrap());
-    for (basis, components) in [(&bins as &dyn Basis, [0, 15, 16, 40, 80]), (&rgb, [0, 1, 2, 0, 1])] {
+    for (basis, components) in [(&bins as &dyn Representation, [0, 15, 16, 40, 80]), (&rgb, [0, 1, 2, 0, 1])] {
         let all = radiosity.solve(basis).unwrap();
         let report = all.report();
         assert!(report.iteration_error <= 1e-8 && report.energy_balance.abs() <= 1e-8, "{report:?}");

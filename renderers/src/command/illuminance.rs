@@ -6,7 +6,10 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use rayon::prelude::*;
-use renderers::illuminance::{IndirectLight, IndirectPart, Meter, Point, Reading, Settings, parse_points};
+use renderers::illuminance::{
+    ColourMeter, IndirectLight, IndirectPart, LightColour, Meter, Nanometres, Point, Reading, Settings,
+    SpectralIndirect, parse_points,
+};
 use renderers::progress::Progress;
 use renderers::radiosity::{self, IndirectRadiosity, Radiosity};
 use renderers::report::Table;
@@ -36,7 +39,7 @@ pub(super) struct Arguments {
     /// The relative error that is asked for, from 1e-5 to 0.5.
     #[arg(long, value_name = "SHARE", default_value_t = 1e-3)]
     accuracy: f64,
-    /// Add the spectral irradiance, W/(m² nm) at every nanometre from 380 to 780.
+    /// Add colour temperature, R_a and CRI00 of the light that arrives, and its spectrum, W/(m² nm) at every nanometre from 380 to 780.
     #[arg(long)]
     spectral: bool,
     /// Values for the scene's parameters ($name in the file).
@@ -52,17 +55,25 @@ impl Arguments {
         if *direct.indirect_part() != IndirectPart::NotComputed {
             return self.measure(&direct, &points, None);
         }
-        match self.radiosity(&scene) {
-            Err(reason) => self.measure(&direct, &points, Some(&reason)),
-            Ok((radiosity, bins)) => match radiosity.solve(&bins) {
-                Err(reason) => self.measure(&direct, &points, Some(&reason.to_string())),
-                Ok(solution) => {
-                    let light = IndirectRadiosity::new(&solution, &bins);
-                    let light = light.as_ref().map(|light| light as &dyn IndirectLight);
-                    self.measure(&self.meter(&scene, light)?, &points, None)
-                }
-            },
+        self.with_radiosity(&scene, &points).or_else(|reason| self.measure(&direct, &points, Some(&reason)))
+    }
+
+    /// Readings with the light between surfaces; or why it can't be computed.
+    fn with_radiosity(&self, scene: &Scene, points: &[Point]) -> Result<Answer, String> {
+        let (radiosity, palette) = self.radiosity(scene)?;
+        let bins = UniformBins::new(&palette, BINS)?;
+        let solution = radiosity.solve(&bins).map_err(|error| error.to_string())?;
+        let light = IndirectRadiosity::new(&solution, &bins).ok_or("the solution has other components")?;
+        let answer = |light: &dyn IndirectLight| {
+            let meter = self.meter(scene, Some(light)).map_err(|Failure(reason)| reason)?;
+            self.measure(&meter, points, None).map_err(|Failure(reason)| reason)
+        };
+        if !self.spectral {
+            return answer(&light);
         }
+        let nanometres = Nanometres::new(&palette)?;
+        let spectra = radiosity.solve(&nanometres).map_err(|error| error.to_string())?;
+        answer(&SpectralIndirect::new(&light, &spectra).ok_or("the solution has other components")?)
     }
 
     fn meter<'s>(&self, scene: &'s Scene, indirect: Option<&'s dyn IndirectLight>) -> Result<Meter<'s>, Failure> {
@@ -70,8 +81,8 @@ impl Arguments {
             .map_err(|error| Failure(format!("{}: {error}", self.scene)))
     }
 
-    /// Patches and transport for light between surfaces, and the bins of its spectra; or why it can't be computed.
-    fn radiosity(&self, scene: &Scene) -> Result<(Radiosity, UniformBins), String> {
+    /// Patches and transport for light between surfaces, and the spectra of lights and surfaces; or why it can't be computed.
+    fn radiosity(&self, scene: &Scene) -> Result<(Radiosity, Palette), String> {
         let mut palette = Palette::default();
         let settings = radiosity::Settings { accuracy: self.accuracy, ..radiosity::Settings::default() };
         let bar = Progress::new("radiosity", u64::from(STEPS));
@@ -83,7 +94,7 @@ impl Arguments {
         };
         let settings = settings.limited_by(scene.integrator);
         let radiosity = Radiosity::new(scene, &settings, &mut palette, &advance).map_err(|error| error.to_string())?;
-        Ok((radiosity, UniformBins::new(&palette, BINS)?))
+        Ok((radiosity, palette))
     }
 
     fn measure(&self, meter: &Meter<'_>, points: &[Point], reason: Option<&str>) -> Result<Answer, Failure> {
@@ -93,7 +104,16 @@ impl Arguments {
             Some(reason) => format!("{}: {reason}", meter.indirect_part()),
             None => meter.indirect_part().to_string(),
         };
-        Ok(Answer { text: self.describe(meter, &readings, &indirect), json: self.json(meter, &readings, &indirect) })
+        let colours: Vec<_> = if self.spectral {
+            let colours = ColourMeter::default();
+            readings.par_iter().map(|reading| colours.measure(meter, reading)).collect()
+        } else {
+            Vec::new()
+        };
+        Ok(Answer {
+            text: self.describe(meter, &readings, &colours, &indirect),
+            json: self.json(meter, &readings, &colours, &indirect),
+        })
     }
 
     /// A built-in scene if there is one of this name, else a file.
@@ -104,8 +124,8 @@ impl Arguments {
         Ok(load(&Source::disk(&self.scene), &self.define)?)
     }
 
-    fn json(&self, meter: &Meter<'_>, readings: &[Reading], indirect: &str) -> Value {
-        let points = readings.iter().map(|reading| {
+    fn json(&self, meter: &Meter<'_>, readings: &[Reading], colours: &[Option<LightColour>], indirect: &str) -> Value {
+        let points = readings.iter().enumerate().map(|(index, reading)| {
             let mut point = json!({
                 "position": reading.position.to_array(),
                 "normal": reading.normal.to_array(),
@@ -117,6 +137,7 @@ impl Arguments {
             });
             if let (true, Some(object)) = (self.spectral, point.as_object_mut()) {
                 object.insert("spectrum".to_owned(), spectrum(meter, reading).collect());
+                object.extend(colour_members(colours.get(index).copied().flatten()));
             }
             point
         });
@@ -127,18 +148,44 @@ impl Arguments {
         all
     }
 
-    fn describe(&self, meter: &Meter<'_>, readings: &[Reading], indirect: &str) -> String {
-        let mut table = Table::new(["x", "y", "z", "nx", "ny", "nz", "lux", "direct", "indirect", "±"]);
+    fn describe(
+        &self,
+        meter: &Meter<'_>,
+        readings: &[Reading],
+        colours: &[Option<LightColour>],
+        indirect: &str,
+    ) -> String {
+        let colour_headings: &[_] = if self.spectral { &["CCT", "R_a", "CRI00"] } else { &[] };
+        let headings = ["x", "y", "z", "nx", "ny", "nz", "lux", "direct", "indirect", "±"];
+        let mut table = Table::new(headings.iter().chain(colour_headings).copied());
         let number = |value: f64| format!("{value:.6}").trim_end_matches('0').trim_end_matches('.').to_owned();
-        for reading in readings {
+        for (index, reading) in readings.iter().enumerate() {
             let place = reading.position.to_array().into_iter().chain(reading.normal.to_array()).map(number);
             let indirect = reading.indirect_lux.map_or_else(|| "?".to_owned(), lux);
             let found = [lux(reading.lux), lux(reading.direct_lux), indirect, format!("{:.1e}", reading.error)];
-            table.row(place.chain(found));
+            table
+                .row(place.chain(found).chain(colours.get(index).into_iter().flat_map(|colour| colour_cells(*colour))));
         }
         let text = format!("{table}\n{}\n{}\n", summary(readings), note(meter.indirect_part(), indirect));
         if self.spectral { text + "\n" + &spectra(meter, readings).to_string() } else { text }
     }
+}
+
+/// CCT, R_a and CRI00, for people.
+fn colour_cells(colour: Option<LightColour>) -> [String; 3] {
+    let cell = |value: Option<f64>, digits: usize| value.map_or_else(|| "–".to_owned(), |v| format!("{v:.digits$}"));
+    [cell(colour.map(|c| c.cct), 0), cell(colour.and_then(|c| c.ra), 2), cell(colour.and_then(|c| c.cri00_munsell), 2)]
+}
+
+/// The colour's members of a point, by the names that `spectral light` has for them; null where they mean nothing.
+fn colour_members(colour: Option<LightColour>) -> [(String, Value); 4] {
+    let member = |name: &str, value: Option<f64>| (name.to_owned(), json!(value));
+    [
+        member("cct", colour.map(|c| c.cct)),
+        member("duv", colour.map(|c| c.duv)),
+        member("ra", colour.and_then(|c| c.ra)),
+        member("cri00_munsell", colour.and_then(|c| c.cri00_munsell)),
+    ]
 }
 
 fn read_points(path: &Path) -> Result<Vec<Point>, Failure> {

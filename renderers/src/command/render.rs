@@ -1,11 +1,12 @@
 //! `spectral render`: a scene to pictures.
 
 use std::path::{Path, PathBuf};
+use std::sync::RwLock;
 
 use clap::{Args, ValueEnum};
 use renderers::image::{FalseColour, ScalarMap, Scale, write_exr, write_png};
 use renderers::progress::Progress;
-use renderers::render::{self, Options, Rendering, Spectra};
+use renderers::render::{self, BetweenOptions, BetweenReport, Options, Rendering, Spectra, Watch};
 use renderers::report::{ChartLabels, Histogram, Table};
 use renderers::scene::{self, Scene, builtin};
 use renderers::spectral::IntervalSettings;
@@ -46,6 +47,15 @@ pub(super) struct Arguments {
     /// Seed of the sample positions; the scene's by default.
     #[arg(long, value_name = "N")]
     seed: Option<u64>,
+    /// What the PNG picture is multiplied by; scenes in cd and lm want some hundreds. The EXR stays as it is.
+    #[arg(long, value_name = "FACTOR", default_value_t = 1.0)]
+    exposure: f32,
+    /// The relative error of light between surfaces that radiosity aims at.
+    #[arg(long, value_name = "SHARE", default_value_t = 0.03, allow_negative_numbers = true)]
+    accuracy: f64,
+    /// Gather light between surfaces for every camera ray instead of interpolating it.
+    #[arg(long)]
+    exact: bool,
     /// Folder for the pictures; made if it isn't there.
     #[arg(long, value_name = "DIR", default_value = "out")]
     out: PathBuf,
@@ -57,6 +67,7 @@ pub(super) struct Arguments {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum Renderer {
     Whitted,
+    Radiosity,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -105,12 +116,9 @@ impl Arguments {
     pub(super) fn run(self) -> Result<Answer, Failure> {
         let options = self.options()?;
         let scene = self.load()?;
-        let [width, height] = options.size.unwrap_or([scene.film.width, scene.film.height]);
         make_folder(&self.out)?;
-        let bar = Progress::new("render", u64::from(width) * u64::from(height));
-        let rendering = render::render(&scene, &options, &|pixels| bar.add(pixels as u64))
+        let rendering = render::render_watched(&scene, &options, &Bars::default())
             .map_err(|e| Failure(format!("{}: {e}", self.scene)))?;
-        drop(bar);
         let report = Report::new(&scene, &options, &rendering, self.threshold);
         let files = self.write(&report, &rendering)?;
         Ok(report.answer(&files))
@@ -138,8 +146,10 @@ impl Arguments {
         };
         let renderer = match self.renderer {
             Renderer::Whitted => render::Renderer::Whitted,
+            Renderer::Radiosity => render::Renderer::Radiosity,
         };
-        Ok(Options { renderer, spectra, size: self.size, samples: self.spp, seed: self.seed })
+        let between = BetweenOptions { accuracy: self.accuracy, exact: self.exact };
+        Ok(Options { renderer, spectra, size: self.size, samples: self.spp, seed: self.seed, between })
     }
 
     /// A built-in scene if there is one of this name, else a file.
@@ -163,7 +173,7 @@ impl Arguments {
             files.push(self.out.join(format!("{stem}{suffix}")));
             files.last().cloned().unwrap_or_default()
         };
-        write_png(&file(".png"), &rendering.picture, 1.0)?;
+        write_png(&file(".png"), &rendering.picture, self.exposure)?;
         let mut channels = vec![("intervals", &rendering.intervals)];
         channels.extend(rendering.delta_e.as_ref().map(|map| ("delta_e.bound", map)));
         channels.extend(rendering.path_delta_e.as_ref().map(|map| ("delta_e.path", map)));
@@ -189,6 +199,26 @@ fn make_folder(folder: &Path) -> Result<(), Failure> {
     std::fs::create_dir_all(folder).map_err(|e| Failure(format!("{}: {e}", folder.display())))
 }
 
+/// A progress bar for each stage.
+#[derive(Default)]
+struct Bars(RwLock<Option<Progress>>);
+
+impl Watch for Bars {
+    fn stage(&self, name: &str, steps: u64) {
+        if let Ok(mut bar) = self.0.write() {
+            // The old one is wiped before the new one appears.
+            *bar = None;
+            *bar = Some(Progress::new(name, steps));
+        }
+    }
+
+    fn add(&self, steps: u64) {
+        if let Ok(bar) = self.0.read() {
+            bar.iter().for_each(|bar| bar.add(steps));
+        }
+    }
+}
+
 /// What a rendering is summed up to.
 struct Report {
     scene: String,
@@ -204,6 +234,7 @@ struct Report {
     bound: Option<[f64; 4]>,
     errors: Option<Histogram>,
     threshold: f64,
+    between: Option<BetweenReport>,
 }
 
 impl Report {
@@ -236,6 +267,7 @@ impl Report {
             bound,
             errors,
             threshold,
+            between: rendering.between,
         }
     }
 
@@ -251,6 +283,16 @@ impl Report {
         table.row(["size".to_owned(), format!("{width} × {height}")]);
         table.row(["seconds (preparation)".to_owned(), format!("{:.3} ({:.3})", self.seconds[0], self.seconds[1])]);
         table.row(["rays, shadow rays not counted".to_owned(), self.rays.to_string()]);
+        if let Some(between) = &self.between {
+            let radiosity = &between.radiosity;
+            let [build, solve, gather] = between.seconds;
+            table.row(["patches, links".to_owned(), format!("{}, {}", radiosity.patches, radiosity.links)]);
+            table.row(["iterations".to_owned(), radiosity.iterations.to_string()]);
+            table.row(["residual".to_owned(), format!("{:.1e}", radiosity.residual)]);
+            table.row(["energy balance".to_owned(), format!("{:.1e}", radiosity.energy_balance)]);
+            table.row(["gathers".to_owned(), between.gathers.to_string()]);
+            table.row(["seconds: build, solve, gather".to_owned(), format!("{build:.3}, {solve:.3}, {gather:.3}")]);
+        }
         table.row(["intervals, mean".to_owned(), format!("{:.2}", self.interval_mean)]);
         table.row(["intervals, maximum".to_owned(), format!("{}", self.interval_max)]);
         if let Some([mean, max, path, above]) = self.bound {
@@ -284,6 +326,19 @@ impl Report {
         let bound = self.bound.map(|[mean, max, path, above]| {
             json!({ "mean": mean, "max": max, "path_mean": path, "share_above_threshold": above })
         });
+        let between = self.between.as_ref().map(|between| {
+            let radiosity = &between.radiosity;
+            let [build, solve, gather] = between.seconds;
+            json!({
+                "patches": radiosity.patches,
+                "links": radiosity.links,
+                "iterations": radiosity.iterations,
+                "residual": radiosity.residual,
+                "energy_balance": radiosity.energy_balance,
+                "gathers": between.gathers,
+                "seconds": { "build": build, "solve": solve, "gather": gather, "trace": self.seconds[0] },
+            })
+        });
         json!({
             "scene": self.scene,
             "renderer": self.renderer,
@@ -301,6 +356,7 @@ impl Report {
             "delta_e_bound": bound,
             "delta_e_bound_histogram": self.errors.as_ref().map(Histogram::counts),
             "pixels_outside_bound_histogram": self.errors.as_ref().map(Histogram::outside),
+            "radiosity": between,
             "files": files,
         })
     }

@@ -26,10 +26,14 @@
 //! # Ok::<(), Box<dyn core::error::Error>>(())
 //! ```
 
+mod colour;
 mod indirect;
 mod meter;
+mod nanometres;
 mod points;
 
+pub use colour::{ColourMeter, LightColour};
 pub use indirect::{IndirectIrradiance, IndirectLight, IndirectPart};
 pub use meter::{Meter, MeterError, Reading, Settings};
+pub use nanometres::{Nanometres, SpectralIndirect};
 pub use points::{Point, PointsError, parse_points};

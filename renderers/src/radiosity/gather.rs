@@ -40,7 +40,7 @@ impl<'s> Place<'s> {
     }
 
     /// A place on a primitive.
-    fn on(patches: &'s Patches, position: DVec3, normal: DVec3, primitive: u32) -> Self {
+    pub(super) fn on(patches: &'s Patches, position: DVec3, normal: DVec3, primitive: u32) -> Self {
         let point = surface_point(position, normal, primitive);
         Self { patches, position, normal, point, end: ShaftEnd::within(position, position, primitive) }
     }
@@ -138,6 +138,12 @@ impl Solution<'_> {
         sum
     }
 
+    /// Indirect irradiance at a place by the means over patches alone; groups of patches that change less than `share` of it each count as
+    /// one.
+    pub(super) fn gathered(&self, place: &Place<'_>, share: f64) -> Vec<f64> {
+        self.look(place, share / self.radiosity.settings.accuracy, f64::INFINITY).0
+    }
+
     /// Irradiance at a place, without that of the near parts.
     fn look(&self, place: &Place<'_>, share: f64, large: f64) -> (Vec<f64>, Vec<Near>) {
         let (mut sum, mut near) = (vec![0.0; self.width], Vec::new());
@@ -175,8 +181,7 @@ impl Solution<'_> {
                 add(seen, &self.lights.emission[lamp.side as usize * self.width..][..self.width]);
             }
         }
-        let reflectance = &self.lights.reflectance[node.side as usize * self.width..][..self.width];
-        sum.iter_mut().zip(reflectance).for_each(|(s, r)| *s *= r);
+        self.representation.reflect(patches.sides[node.side as usize].reflectance, &mut sum);
         sum
     }
 

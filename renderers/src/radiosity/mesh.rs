@@ -2,6 +2,9 @@
 
 use glam::{DVec3, Vec3A};
 
+use spectral_core::brdf::Schlick;
+
+use super::Others;
 use super::error::RadiosityError;
 use super::polygon::{MOST_PATCH_CORNERS, Polygon};
 use crate::geometry::{Mesh, NO_PRIMITIVE, Parallelogram, Surface, World};
@@ -62,13 +65,13 @@ impl Node {
 
 impl Patches {
     /// Makes patches of a scene; its spectra are added to the palette.
-    pub(super) fn new(scene: &Scene, palette: &mut Palette) -> Result<Self, RadiosityError> {
+    pub(super) fn new(scene: &Scene, others: Others, palette: &mut Palette) -> Result<Self, RadiosityError> {
         let mut surfaces = Vec::new();
         let (mut blockers, mut sides, mut faces) = (Vec::new(), Vec::new(), Vec::new());
         for (number, shape) in (0..).zip(&scene.shapes) {
             let (surface, polygons) = tessellated(&shape.geometry);
             surfaces.push((number, surface));
-            let of_shape = sides_of(scene, shape, palette)?;
+            let of_shape = sides_of(scene, shape, others, palette)?;
             let first = sides.len();
             sides.extend(of_shape.iter().map(|(side, _)| *side));
             for polygon in polygons {
@@ -117,7 +120,12 @@ impl Patches {
 }
 
 /// What a shape does on the sides that reflect or shine, each with whether it is the front.
-fn sides_of(scene: &Scene, shape: &Shape, palette: &mut Palette) -> Result<Vec<(Side, bool)>, RadiosityError> {
+fn sides_of(
+    scene: &Scene,
+    shape: &Shape,
+    others: Others,
+    palette: &mut Palette,
+) -> Result<Vec<(Side, bool)>, RadiosityError> {
     let [front, back] = match &scene.bsdf(shape.bsdf).kind {
         BsdfKind::TwoSided { front, back } => [Some(*front), Some(*back)],
         _ => [Some(shape.bsdf), None],
@@ -126,7 +134,13 @@ fn sides_of(scene: &Scene, shape: &Shape, palette: &mut Palette) -> Result<Vec<(
         None => Ok(Factor { scale: 0.0, leaf: None }),
         Some(bsdf) => match bsdf.kind {
             BsdfKind::Diffuse { reflectance } => Ok(palette.factor(scene.spectrum(reflectance), Role::Reflectance)),
-            _ => Err(RadiosityError::Material { label: bsdf.label.clone() }),
+            _ if others == Others::Refused => Err(RadiosityError::Material { label: bsdf.label.clone() }),
+            BsdfKind::Schlick { reflectance, roughness, isotropy } => {
+                let specular = Schlick::new(roughness, isotropy).map_or(0.0, |model| model.weights()[2]);
+                let all = palette.factor(scene.spectrum(reflectance), Role::Reflectance);
+                Ok(Factor { scale: all.scale * (1.0 - specular), ..all })
+            }
+            _ => Ok(Factor { scale: 0.0, leaf: None }),
         },
     };
     let (front, back) = (reflectance(front)?, reflectance(back)?);
@@ -210,7 +224,7 @@ fn sphere(centre: DVec3, radius: f64, inward: bool) -> (Vec<DVec3>, Vec<[u32; 3]
 }
 
 /// Unit vertices, and faces that run anticlockwise seen from outside.
-fn icosahedron() -> (Vec<DVec3>, Vec<[u32; 3]>) {
+pub(super) fn icosahedron() -> (Vec<DVec3>, Vec<[u32; 3]>) {
     let golden = f64::midpoint(1.0, 5.0_f64.sqrt());
     let mut positions = Vec::new();
     for (a, b) in [(1.0, golden), (-1.0, golden), (1.0, -golden), (-1.0, -golden)] {

@@ -1,9 +1,10 @@
 //! The radiosity of all patches.
 
-use super::basis::{Basis, components};
+use std::sync::Arc;
+
 use super::mesh::Side;
+use super::representation::{Representation, light};
 use super::{Radiosity, Report};
-use crate::spectral::Factor;
 
 /// What sampled visibility leaves in open spaces, where no sum of form factors is known beforehand: the most found in the Cornell box, in the
 /// gap between its blocks, whatever the accuracy that was asked for.
@@ -13,6 +14,8 @@ const LEFT_IN_OPEN_SPACES: f64 = 0.04;
 #[derive(Clone, Debug)]
 pub struct Solution<'r> {
     pub(super) radiosity: &'r Radiosity,
+    /// What the numbers mean.
+    pub(super) representation: Arc<dyn Representation + Send + 'r>,
     pub(super) width: usize,
     /// Reflected radiosity of all nodes, row by row.
     pub(super) nodes: Vec<f64>,
@@ -27,8 +30,6 @@ pub struct Solution<'r> {
 /// The components of what radiosity is made from, row by row.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Lights {
-    /// Of each side.
-    pub(super) reflectance: Vec<f64>,
     /// Radiosity that each side sends out by itself.
     pub(super) emission: Vec<f64>,
     /// Of each source.
@@ -36,26 +37,26 @@ pub(super) struct Lights {
 }
 
 impl Lights {
-    pub(super) fn new(radiosity: &Radiosity, basis: &dyn Basis) -> Self {
-        let width = basis.width();
-        let row = |factor: Factor| {
-            let mut row = vec![0.0; width];
-            components(basis, factor, 0, &mut row);
-            row
-        };
-        let sides = &radiosity.patches.sides;
-        let shine = |side: &Side| side.emission.map_or_else(|| vec![0.0; width], row);
+    pub(super) fn new(radiosity: &Radiosity, representation: &dyn Representation) -> Self {
+        let width = representation.width();
+        let shine =
+            |side: &Side| side.emission.map_or_else(|| vec![0.0; width], |radiance| light(representation, radiance));
+        let emission = radiosity.patches.sides.iter().flat_map(shine);
         Self {
-            reflectance: sides.iter().flat_map(|side| row(side.reflectance)).collect(),
-            emission: sides.iter().flat_map(shine).map(|e| core::f64::consts::PI * e).collect(),
-            sources: radiosity.sources.iter().flat_map(|source| row(source.spectrum)).collect(),
+            emission: emission.map(|e| core::f64::consts::PI * e).collect(),
+            sources: radiosity.sources.iter().flat_map(|source| light(representation, source.spectrum)).collect(),
         }
     }
 }
 
 impl<'r> Solution<'r> {
-    pub(super) fn new(radiosity: &'r Radiosity, basis: &dyn Basis, reflected: &[f64], report: Report) -> Self {
-        let width = basis.width();
+    pub(super) fn new(
+        radiosity: &'r Radiosity,
+        representation: Arc<dyn Representation + Send + 'r>,
+        reflected: &[f64],
+        mut report: Report,
+    ) -> Self {
+        let (width, values) = (representation.width(), representation.values());
         let transport = &radiosity.transport;
         let mut nodes = Vec::new();
         transport.pull(reflected, width, |_| 1.0, &mut nodes);
@@ -66,14 +67,22 @@ impl<'r> Solution<'r> {
         }
         let relative = |value: f64, mean: f64| if mean > 0.0 { value / mean } else { 0.0 };
         #[allow(clippy::cast_precision_loss, reason = "components are few")]
-        let level =
-            |row: &[f64]| row.iter().zip(&means).map(|(b, m)| relative(b.abs(), *m)).sum::<f64>() / width as f64;
+        let level = |row: &[f64]| {
+            row[..values].iter().zip(&means).map(|(b, m)| relative(b.abs(), *m)).sum::<f64>() / values as f64
+        };
         let levels = nodes.chunks(width).map(level).collect();
-        let spreads = spreads(radiosity, width, &nodes, &means, relative);
-        Self { radiosity, width, nodes, levels, spreads, lights: Lights::new(radiosity, basis), report }
+        let spreads = spreads(radiosity, [width, values], &nodes, &means, relative);
+        let lights = Lights::new(radiosity, &*representation);
+        report.row_bytes = size_of_val(&*nodes);
+        Self { radiosity, representation, width, nodes, levels, spreads, lights, report }
     }
 
-    /// How many components of the spectrum there are.
+    /// What the numbers of a row mean.
+    pub fn representation(&self) -> &(dyn Representation + 'r) {
+        &*self.representation
+    }
+
+    /// How many numbers a row has.
     pub const fn width(&self) -> usize {
         self.width
     }
@@ -107,14 +116,14 @@ impl<'r> Solution<'r> {
 /// Ranges of relative radiosity among the leaves of each node.
 fn spreads(
     radiosity: &Radiosity,
-    width: usize,
+    [width, values]: [usize; 2],
     nodes: &[f64],
     means: &[f64],
     relative: impl Fn(f64, f64) -> f64,
 ) -> Vec<f64> {
     let tree = &radiosity.patches.nodes;
     let mut spreads = vec![0.0_f64; tree.len()];
-    for component in 0..width {
+    for component in 0..values {
         let mut range = vec![[f64::INFINITY, f64::NEG_INFINITY]; tree.len()];
         for (index, node) in tree.iter().enumerate().rev() {
             range[index] = match node.children() {

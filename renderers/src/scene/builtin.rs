@@ -20,25 +20,57 @@ const SCENES: &[(&str, &str)] = embedded![
     "cornell-box-spheres.xml",
     "cornell-box-paper.xml",
     "grazing.xml",
+    "cie-171-5-8.xml",
+    "furnace.xml",
+    "lounge.xml",
+    "cri-room.xml",
+    "neumann-schanda.xml",
 ];
 
 const ASSETS: &[(&str, &str)] = embedded![
+    "luminaires/specular_louver.ies",
     "meshes/back_wall.obj",
     "meshes/ceiling.obj",
+    "meshes/cube_ceiling.obj",
     "meshes/floor.obj",
     "meshes/left_wall.obj",
+    "meshes/lounge_back_wall.obj",
+    "meshes/lounge_floor.obj",
+    "meshes/lounge_lamp.obj",
+    "meshes/lounge_painting_left.obj",
+    "meshes/lounge_painting_middle.obj",
+    "meshes/lounge_painting_right.obj",
+    "meshes/lounge_sofa.obj",
+    "meshes/lounge_table.obj",
     "meshes/right_wall.obj",
     "meshes/short_block.obj",
     "meshes/tall_block.obj",
+    "spectra/colorchecker_black_2.spd",
     "spectra/colorchecker_blue.spd",
+    "spectra/colorchecker_dark_skin.spd",
+    "spectra/colorchecker_foliage.spd",
     "spectra/colorchecker_green.spd",
+    "spectra/colorchecker_light_skin.spd",
+    "spectra/colorchecker_magenta.spd",
     "spectra/colorchecker_neutral_8.spd",
+    "spectra/colorchecker_orange_yellow.spd",
+    "spectra/colorchecker_purplish_blue.spd",
     "spectra/colorchecker_red.spd",
     "spectra/colorchecker_white_9_5.spd",
+    "spectra/colorchecker_yellow.spd",
+    "spectra/colorchecker_yellow_green.spd",
     "spectra/cornell_green.spd",
     "spectra/cornell_lamp.spd",
     "spectra/cornell_red.spd",
     "spectra/cornell_white.spd",
+    "spectra/lamp_fl2.spd",
+    "spectra/lamp_fl3_14.spd",
+    "spectra/lamp_fl3_15.spd",
+    "spectra/lamp_fl7.spd",
+    "spectra/lamp_led_v2.spd",
+    "spectra/linoleum_moderate_red.spd",
+    "spectra/linoleum_red.spd",
+    "spectra/plaster_white.spd",
     "spectra/sodium_low_pressure.spd",
 ];
 
@@ -57,7 +89,8 @@ pub fn source(name: &str) -> Option<Source> {
     Some(assets(xml).fold(Source::text(file, xml), |source, (asset, text)| source.with_asset(asset, text)))
 }
 
-/// Reads a built-in scene; `parameters` as in [`load`](super::load) (all of them take `resolution` and `spp`).
+/// Reads a built-in scene; `parameters` as in [`load`](super::load). All of them take `resolution` and `spp`; the comment at the
+/// head of each says what else it takes, where it comes from, and what of it was chosen.
 ///
 /// # Errors
 /// An unknown name, or parameters that the scene refuses.
@@ -66,7 +99,8 @@ pub fn load(name: &str, parameters: &[(String, String)]) -> Result<Scene, SceneE
 }
 
 /// Writes a built-in scene and the files that it names into a folder, made if need be, and returns what was written, the
-/// scene first. Mitsuba 3 opens `cornell-box`, `cornell-box-sodium` and `cornell-box-lamp`; the others use extensions.
+/// scene first. Mitsuba 3 opens all but `cornell-box-spheres`,
+/// `cornell-box-paper` and `cri-room`, which use extensions.
 ///
 /// # Errors
 /// An unknown name, or the file that can't be written.
@@ -88,9 +122,16 @@ fn find(name: &str) -> Option<(&'static str, &'static str)> {
     SCENES.iter().copied().find(|(file, _)| file.strip_suffix(".xml") == Some(name))
 }
 
-/// The files that a scene names.
+/// The files that a scene names; where a name holds a parameter, all that it can stand for.
 fn assets(xml: &'static str) -> impl Iterator<Item = (&'static str, &'static str)> {
-    ASSETS.iter().copied().filter(move |(name, _)| xml.contains(&format!("\"{name}\"")))
+    ASSETS.iter().copied().filter(move |(name, _)| xml.split('"').any(|quoted| stands_for(quoted, name)))
+}
+
+/// Whether a name as a scene writes it, which may end in a parameter and an extension such as `lamp_$lamp.spd`, can be this file.
+fn stands_for(written: &str, file: &str) -> bool {
+    let Some((before, parameter)) = written.split_once('$') else { return written == file };
+    let after = parameter.find('.').map_or("", |dot| &parameter[dot..]);
+    !before.is_empty() && file.starts_with(before) && file.ends_with(after)
 }
 
 fn write(path: &Path, text: &str) -> io::Result<()> {

@@ -65,6 +65,16 @@ impl Components {
         self.leaves.get(leaf as usize)
     }
 
+    /// The space of the components.
+    pub(crate) const fn space(&self) -> &RgbSpace {
+        &self.space
+    }
+
+    /// Whether components are multiplied one by one.
+    pub(crate) const fn multiplies_one_by_one(&self) -> bool {
+        self.reflections.is_none()
+    }
+
     fn apply(&self, leaf: u32, light: Rgb) -> Rgb {
         let leaf = leaf as usize;
         if let Some(reflection) = self.reflections.as_ref().and_then(|r| r.get(leaf)) {
@@ -74,7 +84,7 @@ impl Components {
     }
 
     /// Light that meets the factors of a monomial, the last one first.
-    fn through(&self, factors: &[u32], light: Rgb) -> Rgb {
+    pub(crate) fn through(&self, factors: &[u32], light: Rgb) -> Rgb {
         factors.iter().rev().fold(light, |light, leaf| self.apply(*leaf, light))
     }
 

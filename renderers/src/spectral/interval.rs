@@ -24,7 +24,8 @@ const BRIGHTEST: f64 = 64.0;
 const MAX_KEPT: usize = 1 << 16;
 const MAX_RECORDED: usize = 1 << 13;
 /// A colour of which nothing is known.
-const UNKNOWN: Colour = Colour { xyz: [0.0; 3], delta_e: f64::INFINITY, path_delta_e: 0.0, intervals: 1 };
+const UNKNOWN: Colour =
+    Colour { xyz: [0.0; 3], radius: [f64::INFINITY; 3], delta_e: f64::INFINITY, path_delta_e: 0.0, intervals: 1 };
 
 /// What the interval representation aims at.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -174,6 +175,7 @@ impl<'a> Intervals<'a> {
         let found = subdivision.at_scale(scale);
         Some(Colour {
             xyz: normalised(found.xyz),
+            radius: normalised(found.radius),
             delta_e: found.delta_e,
             path_delta_e: 0.0,
             intervals: found.intervals,
@@ -228,12 +230,13 @@ impl<'a> Intervals<'a> {
         let mut sources = Pixel { shared, radiance, tracer, products: &mut self.products, traced: HashMap::new() };
         let result = evaluate(&program, &shared.domain, &target, &mut sources, &mut self.stack, &mut self.pieces);
         let Ok(found) = result else {
-            return Colour { delta_e: f64::INFINITY, ..Colour::default() };
+            return UNKNOWN;
         };
         let nodes = self.pieces.iter().take(found.intervals).map(|p| p.node);
         let path = sources.path_radius(nodes);
         Colour {
             xyz: normalised(found.xyz),
+            radius: normalised(found.radius),
             delta_e: found.delta_e,
             path_delta_e: path.map_or(0.0, |r| delta_e_bound(found.xyz, r, shared.white).delta_e),
             intervals: found.intervals,

@@ -6,16 +6,18 @@
 //! same for all of them.
 
 mod components;
+mod gathered;
 mod interval;
 mod palette;
 mod radiance;
 mod uniform;
 
 pub use components::{ComponentResolver, Components};
+pub use gathered::{RowColour, WithGathered};
 pub use interval::{IntervalMemory, IntervalSettings, Intervals, SharedIntervals};
 pub use palette::{Factor, Palette, Role, Tabulated};
 pub(crate) use radiance::PairHasher;
-pub use radiance::{Deferred, FactorOrder, Monomial, Monomials, Radiance};
+pub use radiance::{Deferred, FactorOrder, Gathered, Monomial, Monomials, Radiance};
 pub use uniform::{Uniform, UniformBins};
 
 /// ∫ȳ of the CIE 1931 observer over 380–780 nm in nm, at 1 nm, exact for its linear interpolation: what divides ∫Lȳ so that a flat
@@ -27,6 +29,8 @@ pub const Y_INTEGRAL: f64 = 106.856_399_282_88;
 pub struct Colour {
     /// Tristimulus values, with Y = 1 for a flat radiance of 1.
     pub xyz: [f64; 3],
+    /// How far each of them may be off, by the spectral representation; 0 for representations without a bound.
+    pub radius: [f64; 3],
     /// The bound of ΔE*ab from the spectral representation: certain in the certified mode where no light is deferred, an
     /// estimate otherwise; 0 for representations without a bound.
     pub delta_e: f64,
@@ -43,6 +47,11 @@ pub trait Tracer {
 
     /// The radiance of deferred light at a wavelength in nm; nothing in it is deferred.
     fn trace(&mut self, deferred: Deferred, wavelength: f64) -> Radiance;
+
+    /// The irradiance of gathered light, a row of the representation that it was computed in.
+    fn row(&self, _: Gathered) -> &[f64] {
+        &[]
+    }
 }
 
 /// Makes colours of radiance; one for each thread.

@@ -128,11 +128,16 @@ impl Monomials {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Deferred(pub u32);
 
-/// A sum of weighted products of spectra and of deferred light.
+/// Light from other surfaces, whose spectrum is no product of the palette's, by its number in the pixel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Gathered(pub u32);
+
+/// A sum of weighted products of spectra, of deferred light and of gathered light.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Radiance {
     terms: Vec<(Monomial, f64)>,
     deferred: Vec<(Deferred, Monomial, f64)>,
+    gathered: Vec<(Gathered, Monomial, f64)>,
 }
 
 impl Radiance {
@@ -144,6 +149,11 @@ impl Radiance {
     /// The deferred light, each with what it is multiplied by.
     pub fn deferred(&self) -> &[(Deferred, Monomial, f64)] {
         &self.deferred
+    }
+
+    /// The gathered light, each with what it is multiplied by.
+    pub fn gathered(&self) -> &[(Gathered, Monomial, f64)] {
+        &self.gathered
     }
 
     /// Adds a product of spectra.
@@ -161,6 +171,13 @@ impl Radiance {
     pub fn defer(&mut self, deferred: Deferred, monomial: Monomial, weight: f64) {
         if weight != 0.0 {
             self.deferred.push((deferred, monomial, weight));
+        }
+    }
+
+    /// Adds gathered light times a product of spectra.
+    pub fn gather(&mut self, gathered: Gathered, monomial: Monomial, weight: f64) {
+        if weight != 0.0 {
+            self.gathered.push((gathered, monomial, weight));
         }
     }
 }

@@ -28,7 +28,7 @@ use crate::frame::{Frame, Parametrisation};
 use crate::geometry::sampling::SobolSequence;
 use crate::geometry::{Camera, Hit, Ray, World};
 use crate::material::{Dielectric, Lobe, Material, mirror_factors};
-use crate::spectral::{Deferred, Factor, FactorOrder, Monomial, Monomials, Radiance, Tracer};
+use crate::spectral::{Deferred, Factor, FactorOrder, Gathered, Monomial, Monomials, Radiance, Tracer};
 
 /// Paths that count for less in a pixel are not followed, if they count for less than the second number in their camera ray, too.
 const LEAST_WEIGHT: f64 = 1e-4;
@@ -127,10 +127,32 @@ impl Whitted {
     }
 }
 
+/// Light between surfaces, in place of a scene's ambient term.
+pub trait Indirect: Sync {
+    /// How many numbers there are in a row.
+    fn width(&self) -> usize;
+
+    /// Writes the irradiance on a surface, on the side that was hit: a row of some spectral representation, in the unit of
+    /// the lights' radiance times sr.
+    fn irradiance(&self, hit: &Hit, row: &mut [f64]);
+}
+
+/// What a worker does about light between surfaces.
+enum Between<'s> {
+    /// The scene's ambient term.
+    Ambient,
+    /// It asks for it.
+    Asked(&'s dyn Indirect),
+    /// It notes the places where it would be asked for, and finds no light.
+    Noted(Vec<Hit>),
+}
+
 /// What one thread needs for tracing: the products met, the deferred light of a pixel, and a count of rays.
-#[derive(Debug)]
 pub struct Worker<'s> {
     scene: &'s Whitted,
+    between: Between<'s>,
+    /// Irradiances of the pixel's [`Gathered`] light, row by row.
+    rows: Vec<f64>,
     monomials: Monomials,
     order: FactorOrder,
     deferred: Vec<Interface>,
@@ -175,6 +197,8 @@ impl<'s> Worker<'s> {
     pub fn new(scene: &'s Whitted, order: FactorOrder) -> Self {
         Self {
             scene,
+            between: Between::Ambient,
+            rows: Vec::new(),
             monomials: Monomials::new(order),
             order,
             deferred: Vec::new(),
@@ -183,6 +207,27 @@ impl<'s> Worker<'s> {
             points: SobolSequence::new(0),
             samples: 0,
             rays: 0,
+        }
+    }
+
+    /// The same with light between surfaces in place of the ambient term.
+    #[must_use]
+    pub fn with_indirect(mut self, indirect: &'s dyn Indirect) -> Self {
+        self.between = Between::Asked(indirect);
+        self
+    }
+
+    /// The same, only noting where light between surfaces is wanted.
+    pub(crate) fn noting(mut self) -> Self {
+        self.between = Between::Noted(Vec::new());
+        self
+    }
+
+    /// The places noted, in the order in which they were met.
+    pub(crate) fn into_noted(self) -> Vec<Hit> {
+        match self.between {
+            Between::Noted(hits) => hits,
+            Between::Ambient | Between::Asked(_) => Vec::new(),
         }
     }
 
@@ -195,12 +240,14 @@ impl<'s> Worker<'s> {
     pub fn forget(&mut self) {
         self.monomials = Monomials::new(self.order);
         self.deferred.clear();
+        self.rows.clear();
     }
 
-    /// Forgets the deferred light of the last pixel, and takes the next one's random numbers from these points, whose first two dimensions
-    /// are the film's.
+    /// Forgets the deferred and the gathered light of the last pixel, and takes the next one's random numbers from these points, whose
+    /// first two dimensions are the film's.
     pub fn start_pixel(&mut self, points: SobolSequence) {
         self.deferred.clear();
+        self.rows.clear();
         self.points = points;
         self.samples = 0;
     }
@@ -298,6 +345,9 @@ impl<'s> Worker<'s> {
     /// Calls `receive` for each visible part of the light with this number.
     fn illuminate(&mut self, number: usize, receiver: &Receiver, least: u32, receive: impl FnMut(Part)) {
         let Whitted { world, blockers, cells, lights, .. } = self.scene;
+        if matches!(self.between, Between::Noted(_)) {
+            return;
+        }
         let Some(light) = lights.get(number) else { return };
         let around = Surroundings { world, blockers };
         let known = &mut self.known;
@@ -315,7 +365,30 @@ impl<'s> Worker<'s> {
         );
     }
 
-    /// Lambertian reflection of all lights and of the ambient term.
+    /// Light from other surfaces: the ambient term, or what takes its place. The path's monomial has the reflectance in it.
+    fn indirect(&mut self, hit: &Hit, reflected: Path, radiance: &mut Radiance) {
+        let scene = self.scene;
+        match &mut self.between {
+            Between::Ambient => {
+                for ambient in &scene.ambient {
+                    self.add(reflected, *ambient, radiance);
+                }
+            }
+            Between::Noted(hits) => hits.push(*hit),
+            Between::Asked(indirect) => {
+                if reflected.weight == 0.0 {
+                    return;
+                }
+                let (start, width) = (self.rows.len(), indirect.width());
+                self.rows.resize(start + width, 0.0);
+                indirect.irradiance(hit, &mut self.rows[start..]);
+                let number = u32::try_from(start / width.max(1)).unwrap_or(u32::MAX);
+                radiance.gather(Gathered(number), reflected.monomial, reflected.weight / core::f64::consts::PI);
+            }
+        }
+    }
+
+    /// Lambertian reflection of all lights and of light from other surfaces.
     fn diffuse(&mut self, hit: &Hit, path: Path, reflectance: Factor, radiance: &mut Radiance) {
         let scene = self.scene;
         let reflected = self.times(path, reflectance);
@@ -326,9 +399,7 @@ impl<'s> Worker<'s> {
             let lit = Path { weight: reflected.weight * irradiance / core::f64::consts::PI, ..reflected };
             self.add(lit, light.factor(), radiance);
         }
-        for ambient in &scene.ambient {
-            self.add(reflected, *ambient, radiance);
-        }
+        self.indirect(hit, reflected, radiance);
     }
 
     /// Schlick's model: S(u) = C + (1 − C) f becomes (1 − f) C + f, two products for each light.
@@ -358,9 +429,7 @@ impl<'s> Worker<'s> {
             self.add(Path { weight: coloured.weight * coloured_share, ..coloured }, light.factor(), radiance);
             self.add(Path { weight: path.weight * white_share, ..path }, light.factor(), radiance);
         }
-        for ambient in &scene.ambient {
-            self.add(Path { weight: coloured.weight * (1.0 - specular), ..coloured }, *ambient, radiance);
-        }
+        self.indirect(hit, Path { weight: coloured.weight * (1.0 - specular), ..coloured }, radiance);
         if specular > 0.0 {
             let fresnel = fresnel::schlick_factor(view.dot(receiver.normal));
             let shares = [(Some(reflectance), specular * (1.0 - fresnel)), (None, specular * fresnel)];
@@ -396,6 +465,10 @@ impl<'s> Worker<'s> {
         for (deferred, monomial, weight) in light.deferred() {
             let product = self.monomials.product(by.monomial, *monomial);
             radiance.defer(*deferred, product, by.weight * weight);
+        }
+        for (gathered, monomial, weight) in light.gathered() {
+            let product = self.monomials.product(by.monomial, *monomial);
+            radiance.gather(*gathered, product, by.weight * weight);
         }
     }
 
@@ -449,8 +522,15 @@ impl<'s> Worker<'s> {
         for (monomial, weight) in interface.reflected.terms() {
             light.add(*monomial, share * weight);
         }
+        for (gathered, monomial, weight) in interface.reflected.gathered() {
+            light.gather(*gathered, *monomial, share * weight);
+        }
         for (nested, monomial, weight) in interface.reflected.deferred() {
             let inner = self.expand(nested.0 as usize, wavelength);
+            for (gathered, factor, inner_weight) in inner.gathered() {
+                let product = self.monomials.product(*monomial, *factor);
+                light.gather(*gathered, product, share * weight * inner_weight);
+            }
             for (factor, inner_weight) in inner.terms() {
                 let product = self.monomials.product(*monomial, *factor);
                 light.add(product, share * weight * inner_weight);
@@ -477,6 +557,11 @@ impl Tracer for Worker<'_> {
 
     fn trace(&mut self, deferred: Deferred, wavelength: f64) -> Radiance {
         self.expand(deferred.0 as usize, wavelength)
+    }
+
+    fn row(&self, gathered: Gathered) -> &[f64] {
+        let Between::Asked(indirect) = &self.between else { return &[] };
+        self.rows.chunks(indirect.width().max(1)).nth(gathered.0 as usize).unwrap_or_default()
     }
 }
 

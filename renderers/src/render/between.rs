@@ -1,0 +1,132 @@
+//! Whitted's ray tracing with radiosity in place of the ambient term.
+
+use std::time::Instant;
+
+use spectral_core::bilinear::Tensor;
+
+use super::{BetweenOptions, Frame, Options, Pixels, Spectra, Watch, prefiltered};
+use crate::radiosity::{self, Field, FieldSettings, Others, Radiosity, Report, Representation};
+use crate::scene::{Integrator, Scene};
+use crate::spectral::{ComponentResolver, Components, Palette, Resolver, Uniform, UniformBins, WithGathered};
+use crate::whitted::RenderError;
+
+/// What became of the light between surfaces, for reports.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BetweenReport {
+    /// Patches, links, convergence and balance.
+    pub radiosity: Report,
+    /// Gathers that indirect light is interpolated between; 0 if it was gathered for every camera ray.
+    pub gathers: usize,
+    /// Time for patches and links, for the solution and for the gathers.
+    pub seconds: [f64; 3],
+}
+
+/// Renders a scene; the frame has everything but the light between surfaces.
+pub(super) fn render(
+    scene: &Scene,
+    options: &Options,
+    frame: Frame<'_>,
+    mut palette: Palette,
+    watch: &dyn Watch,
+) -> Result<(Pixels, bool, BetweenReport), RenderError> {
+    let start = Instant::now();
+    let radiosity = build(scene, &options.between, &mut palette, watch)?;
+    let job = Job { scene, options, radiosity: &radiosity, frame, start, built: start.elapsed().as_secs_f64(), watch };
+    match options.spectra {
+        Spectra::Interval(_) => Err(RenderError::new("radiosity has no intervals yet: use uniform:N")),
+        Spectra::Uniform(count) => {
+            let bins = UniformBins::new(&palette, count).map_err(RenderError::new)?;
+            job.trace(&bins, || Uniform::new(&bins))
+        }
+        Spectra::Smits => {
+            let bins = UniformBins::smits(&palette).map_err(RenderError::new)?;
+            job.trace(&bins, || Uniform::new(&bins))
+        }
+        Spectra::Rgb => {
+            let components = Components::naive(&palette).map_err(RenderError::new)?;
+            job.trace(&components, || ComponentResolver::new(&components))
+        }
+        Spectra::RgbPrefiltered => {
+            let components = prefiltered(scene, &palette)?;
+            job.trace(&components, || ComponentResolver::new(&components))
+        }
+        Spectra::Bilinear => {
+            let components = Components::bilinear(&palette, &Tensor::rec_709()).map_err(RenderError::new)?;
+            job.trace(&components, || ComponentResolver::new(&components))
+        }
+    }
+}
+
+/// Patches and links.
+fn build(
+    scene: &Scene,
+    options: &BetweenOptions,
+    palette: &mut Palette,
+    watch: &dyn Watch,
+) -> Result<Radiosity, RenderError> {
+    /// Of a share.
+    const STEPS: u32 = 1000;
+    if !(options.accuracy > 0.0 && options.accuracy <= 1.0) {
+        return Err(RenderError::new(format!("the accuracy must be in (0, 1], not {}", options.accuracy)));
+    }
+    let settings = radiosity::Settings {
+        accuracy: options.accuracy,
+        others: Others::Simplified,
+        ..radiosity::Settings::default()
+    };
+    let settings = match scene.integrator {
+        Integrator::Path { .. } => settings.limited_by(scene.integrator),
+        _ => settings,
+    };
+    watch.stage("patches", u64::from(STEPS));
+    let done = core::sync::atomic::AtomicU64::new(0);
+    let progress = |share: f64| {
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a share of some steps")]
+        let now = (share.clamp(0.0, 1.0) * f64::from(STEPS)) as u64;
+        watch.add(now.saturating_sub(done.fetch_max(now, core::sync::atomic::Ordering::Relaxed)));
+    };
+    Radiosity::new(scene, &settings, palette, &progress).map_err(|e| RenderError::new(e.to_string()))
+}
+
+/// What is the same for all representations.
+struct Job<'s> {
+    scene: &'s Scene,
+    options: &'s Options,
+    radiosity: &'s Radiosity,
+    frame: Frame<'s>,
+    start: Instant,
+    built: f64,
+    watch: &'s dyn Watch,
+}
+
+impl Job<'_> {
+    fn trace<R: Resolver>(
+        self,
+        representation: &dyn Representation,
+        new_resolver: impl Fn() -> R + Sync,
+    ) -> Result<(Pixels, bool, BetweenReport), RenderError> {
+        let Self { scene, options, radiosity, frame, start, built, watch } = self;
+        let solution = radiosity.solve(representation).map_err(|e| RenderError::new(e.to_string()))?;
+        let solved = start.elapsed().as_secs_f64();
+        let BetweenOptions { accuracy, exact } = options.between;
+        let seen = frame.seen();
+        watch.stage("light between surfaces", Field::STEPS);
+        let settings = FieldSettings { accuracy, exact };
+        let white = |row: &[f64]| representation.colour(&[], row).value;
+        let field = Field::new(scene, &solution, settings, &seen, &white, &|steps| watch.add(steps));
+        let gathered = start.elapsed().as_secs_f64();
+        let report = BetweenReport {
+            radiosity: *solution.report(),
+            gathers: field.gathers(),
+            seconds: [built, solved - built, gathered - solved],
+        };
+        let is_bounded = matches!(options.spectra, Spectra::Interval(_));
+        let colour = |leaves: &[u32], row: &[f64]| {
+            let colour = representation.colour(leaves, row);
+            [colour.value, colour.radius]
+        };
+        let frame = Frame { indirect: Some(&field), ..frame };
+        let pixels = frame.trace(start, || WithGathered::new(new_resolver(), &colour, is_bounded));
+        Ok((pixels, is_bounded, report))
+    }
+}

@@ -1,0 +1,99 @@
+//! Colours of light that is partly a product of spectra and partly gathered from other surfaces.
+
+use spectral_core::bound::delta_e_bound;
+use spectral_core::colour::rgb;
+
+use super::{Colour, Monomial, Radiance, Resolver, Tracer, Y_INTEGRAL};
+
+/// The tristimulus values, Y = 1 for a flat radiance of 1, of a row of some representation times a product of the palette's leaves, from the
+/// eye to the light; and how far each may be off.
+pub type RowColour<'c> = dyn Fn(&[u32], &[f64]) -> [[f64; 3]; 2] + Sync + 'c;
+
+/// The wavelength in nm at which paths of gathered light through dispersive media are taken: the helium d line.
+const MEAN_WAVELENGTH: f64 = 587.5618;
+
+/// A resolver that adds gathered light to what another one makes of the rest.
+///
+/// Errors of both parts add up. Gathered light behind a medium with a wavelength-dependent index is taken along the path of one wavelength,
+/// 587.56 nm: it is smooth, so that its dispersion shows no more than a prism's does on a wall.
+pub struct WithGathered<'c, R> {
+    inner: R,
+    colour: &'c RowColour<'c>,
+    /// Whether the representation has a bound.
+    is_bounded: bool,
+    /// For each product, the sum of rows.
+    sums: Vec<(Monomial, Vec<f64>)>,
+    used: usize,
+}
+
+impl<'c, R> WithGathered<'c, R> {
+    /// A resolver with rows of a representation whose colours `colour` makes.
+    pub const fn new(inner: R, colour: &'c RowColour<'c>, is_bounded: bool) -> Self {
+        Self { inner, colour, is_bounded, sums: Vec::new(), used: 0 }
+    }
+
+    fn add(&mut self, monomial: Monomial, weight: f64, row: &[f64]) {
+        let used = &mut self.sums[..self.used];
+        if let Some((_, sum)) = used.iter_mut().find(|(known, _)| *known == monomial) {
+            sum.iter_mut().zip(row).for_each(|(s, r)| *s += weight * r);
+            return;
+        }
+        if self.used == self.sums.len() {
+            self.sums.push((monomial, Vec::new()));
+        }
+        if let Some((own, sum)) = self.sums.get_mut(self.used) {
+            *own = monomial;
+            sum.clear();
+            sum.extend(row.iter().map(|r| weight * r));
+        }
+        self.used += 1;
+    }
+
+    /// Adds up the rows that a radiance refers to.
+    fn collect(&mut self, radiance: &Radiance, tracer: &mut dyn Tracer) {
+        self.used = 0;
+        for (gathered, monomial, weight) in radiance.gathered() {
+            self.add(*monomial, *weight, tracer.row(*gathered));
+        }
+    }
+
+    /// The colour of the collected rows, seen through some more factors.
+    fn collected(&self, through: &[u32], tracer: &dyn Tracer) -> [[f64; 3]; 2] {
+        let (mut value, mut radius) = ([0.0; 3], [0.0; 3]);
+        let mut leaves = Vec::new();
+        for (monomial, sum) in &self.sums[..self.used] {
+            leaves.clear();
+            leaves.extend_from_slice(through);
+            leaves.extend_from_slice(tracer.monomials().leaves(*monomial));
+            let [v, r] = (self.colour)(&leaves, sum);
+            value = core::array::from_fn(|a| value[a] + v[a]);
+            radius = core::array::from_fn(|a| radius[a] + r[a]);
+        }
+        [value, radius]
+    }
+}
+
+impl<R: Resolver> Resolver for WithGathered<'_, R> {
+    fn resolve(&mut self, radiance: &Radiance, tracer: &mut dyn Tracer) -> Colour {
+        let mut colour = self.inner.resolve(radiance, tracer);
+        self.collect(radiance, tracer);
+        let [mut value, mut radius] = self.collected(&[], tracer);
+        for (deferred, through, weight) in radiance.deferred() {
+            let traced = tracer.trace(*deferred, MEAN_WAVELENGTH);
+            self.collect(&traced, tracer);
+            let through = tracer.monomials().leaves(*through).to_vec();
+            let [v, r] = self.collected(&through, tracer);
+            value = core::array::from_fn(|a| value[a] + weight * v[a]);
+            radius = core::array::from_fn(|a| radius[a] + weight * r[a]);
+        }
+        // One rounding for each sum.
+        colour.xyz = core::array::from_fn(|a| colour.xyz[a] + value[a]);
+        let rounding = |a: usize| 4.0 * f64::EPSILON * (colour.xyz[a].abs() + radius[a]);
+        colour.radius = core::array::from_fn(|a| colour.radius[a] + radius[a] + rounding(a));
+        if self.is_bounded {
+            let [xyz, radius] = [colour.xyz, colour.radius].map(|v| v.map(|v| v * Y_INTEGRAL));
+            colour.delta_e = delta_e_bound(xyz, radius, rgb::WHITE.map(|w| w * Y_INTEGRAL)).delta_e;
+        }
+        colour
+    }
+}
