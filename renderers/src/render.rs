@@ -11,6 +11,7 @@ use spectral_core::colour::rgb;
 use crate::geometry::Filter;
 use crate::geometry::sampling::SobolSequence;
 use crate::image::{ImageError, MAX_PIXELS, Picture, Raster, ScalarMap};
+use crate::path;
 use crate::scene::{self, Scene};
 use crate::spectral::{
     Colour, ComponentResolver, Components, FactorOrder, IntervalMemory, IntervalSettings, Intervals, Palette, Radiance,
@@ -31,12 +32,15 @@ pub enum Renderer {
     /// Direct light, mirrors and glass, with a constant ambient term: [`crate::whitted`].
     #[default]
     Whitted,
+    /// All light, by paths at random: [`crate::path`].
+    Path,
 }
 
 impl core::fmt::Display for Renderer {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         f.write_str(match self {
             Self::Whitted => "whitted",
+            Self::Path => "path",
         })
     }
 }
@@ -103,6 +107,15 @@ pub struct Options {
     pub seed: Option<u64>,
 }
 
+/// The variance of a pixel's mean over all its samples: the square of its standard error.
+#[derive(Clone, Debug)]
+pub struct Variance {
+    /// That of linear Rec. 709 components.
+    pub rgb: Picture,
+    /// That of the luminance Y.
+    pub luminance: ScalarMap,
+}
+
 /// A rendered picture, with what is known of each pixel.
 #[derive(Clone, Debug)]
 pub struct Rendering {
@@ -114,7 +127,11 @@ pub struct Rendering {
     pub delta_e: Option<ScalarMap>,
     /// The part of the bound that is an estimate of deferred paths' errors.
     pub path_delta_e: Option<ScalarMap>,
-    /// Rays traced from the eye, reflected and refracted ones included, shadow rays not.
+    /// The variance of each pixel, of renderers that sample at random; `None` of a single sample.
+    pub variance: Option<Variance>,
+    /// Camera rays per pixel.
+    pub samples: u32,
+    /// Rays traced from the eye, reflected and refracted ones included; shadow rays are counted by the path tracer alone.
     pub rays: u64,
     /// Time for all pixels, without reading the scene and preparing its spectra.
     pub seconds: f64,
@@ -133,6 +150,7 @@ pub fn render(scene: &Scene, options: &Options, progress: &(dyn Fn(usize) + Sync
     check_area(size)?;
     match options.renderer {
         Renderer::Whitted => whitted(scene, options, size, progress),
+        Renderer::Path => path::render(scene, options, path::Run::default(), progress),
     }
 }
 
@@ -182,11 +200,11 @@ fn whitted(
             (frame.trace(start, || Uniform::new(&bins)), false)
         }
     };
-    pixels.into_rendering(frame.size, prepared).map_err(|e| RenderError::new(e.to_string()))
+    pixels.into_rendering(&frame, prepared).map_err(|e| RenderError::new(e.to_string()))
 }
 
 /// Components filtered for the light with the largest luminous flux.
-fn prefiltered(scene: &Scene, palette: &Palette) -> Result<Components, RenderError> {
+pub(crate) fn prefiltered(scene: &Scene, palette: &Palette) -> Result<Components, RenderError> {
     let Some(spectrum) = scene.dominant_light() else {
         return Err(RenderError::new("rgb-prefiltered needs a light, and the scene has none"));
     };
@@ -200,7 +218,7 @@ fn prefiltered(scene: &Scene, palette: &Palette) -> Result<Components, RenderErr
 }
 
 /// Refuses pictures that could not be kept, before time is spent on them.
-fn check_area([width, height]: [u32; 2]) -> Result<(), RenderError> {
+pub(crate) fn check_area([width, height]: [u32; 2]) -> Result<(), RenderError> {
     let pixels = u64::from(width) * u64::from(height);
     if (1..=MAX_PIXELS as u64).contains(&pixels) {
         return Ok(());
@@ -208,7 +226,7 @@ fn check_area([width, height]: [u32; 2]) -> Result<(), RenderError> {
     Err(RenderError::new(format!("a picture of {width} × {height} is not from 1 to {MAX_PIXELS} pixels")))
 }
 
-fn filter(filter: scene::Filter) -> Result<Filter, RenderError> {
+pub(crate) fn filter(filter: scene::Filter) -> Result<Filter, RenderError> {
     match filter {
         scene::Filter::Box => Filter::constant(0.5),
         scene::Filter::Tent { radius } => Filter::tent(radius),
@@ -298,7 +316,8 @@ impl Frame<'_> {
 }
 
 impl Pixels {
-    fn into_rendering(self, [width, height]: [usize; 2], bounded: bool) -> Result<Rendering, ImageError> {
+    fn into_rendering(self, frame: &Frame<'_>, bounded: bool) -> Result<Rendering, ImageError> {
+        let [width, height] = frame.size;
         let raster = Raster::from_pixels(width, height, self.colours)?;
         Ok(Rendering {
             picture: raster.map(|c| rgb::xyz_to_linear_rgb(c.xyz).map(single)),
@@ -306,6 +325,8 @@ impl Pixels {
             intervals: raster.map(|c| c.intervals as f32),
             delta_e: bounded.then(|| raster.map(|c| single_above(c.delta_e))),
             path_delta_e: bounded.then(|| raster.map(|c| single_above(c.path_delta_e))),
+            variance: None,
+            samples: frame.samples,
             rays: self.rays,
             seconds: self.seconds,
             preparation_seconds: self.preparation_seconds,
@@ -315,7 +336,7 @@ impl Pixels {
 
 /// A picture's number: finite, since files keep no others; NaN, of infinite light, is black, under a bound that says so.
 #[allow(clippy::cast_possible_truncation, reason = "pictures are kept in f32")]
-fn single(value: f64) -> f32 {
+pub(crate) fn single(value: f64) -> f32 {
     let limit = f64::from(f32::MAX);
     if value.is_nan() { 0.0 } else { value.clamp(-limit, limit) as f32 }
 }

@@ -8,7 +8,7 @@ use spectral_core::{Observer, tristimulus};
 use super::{Colour, Monomial, Monomials, Palette, Radiance, Resolver, Role, Tabulated, Tracer, Y_INTEGRAL};
 
 /// The wavelength in nm at which refraction is taken: the helium d line, where glass catalogues state the index.
-const MEAN_WAVELENGTH: f64 = 587.5618;
+pub(crate) const MEAN_WAVELENGTH: f64 = 587.5618;
 
 type Rgb = [f64; 3];
 
@@ -63,6 +63,21 @@ impl Components {
     /// The components of a leaf of the palette; `None` if there is no such leaf.
     pub fn components(&self, leaf: u32) -> Option<&[f64; 3]> {
         self.leaves.get(leaf as usize)
+    }
+
+    /// What a leaf does as a factor where components aren't multiplied one by one: a matrix.
+    pub(crate) fn matrix(&self, leaf: u32) -> Option<[Rgb; 3]> {
+        self.reflections.as_ref().and_then(|r| r.get(leaf as usize)).map(Reflection::matrix)
+    }
+
+    /// Whether components are multiplied by matrices.
+    pub(crate) const fn is_bilinear(&self) -> bool {
+        self.reflections.is_some()
+    }
+
+    /// Tristimulus values of components, Y = 1 for a flat radiance of 1.
+    pub(crate) fn to_xyz(&self, components: Rgb) -> [f64; 3] {
+        self.space.to_xyz(components)
     }
 
     fn apply(&self, leaf: u32, light: Rgb) -> Rgb {

@@ -11,6 +11,7 @@ mod palette;
 mod radiance;
 mod uniform;
 
+pub(crate) use components::MEAN_WAVELENGTH;
 pub use components::{ComponentResolver, Components};
 pub use interval::{IntervalMemory, IntervalSettings, Intervals, SharedIntervals};
 pub use palette::{Factor, Palette, Role, Tabulated};
@@ -52,6 +53,6 @@ pub trait Resolver {
 }
 
 /// Tristimulus values ∫Lā relative to [`Y_INTEGRAL`].
-fn normalised(tristimulus: [f64; 3]) -> [f64; 3] {
+pub(crate) fn normalised(tristimulus: [f64; 3]) -> [f64; 3] {
     tristimulus.map(|v| v / Y_INTEGRAL)
 }
