@@ -4,6 +4,7 @@ extern crate alloc;
 
 pub mod compare;
 pub mod direct;
+mod frame;
 pub mod geometry;
 pub mod illuminance;
 pub mod image;

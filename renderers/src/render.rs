@@ -302,11 +302,11 @@ impl Frame<'_> {
     /// One pixel: all its camera rays in one expression, evaluated once.
     #[allow(clippy::cast_precision_loss, clippy::cast_possible_truncation, reason = "pixel coordinates; a hashed seed")]
     fn pixel<R: Resolver>(&self, x: usize, y: usize, worker: &mut Worker<'_>, resolver: &mut R) -> Colour {
-        worker.start_pixel();
         let mut radiance = Radiance::default();
         let weight = 1.0 / f64::from(self.samples);
         let seed = (self.seed ^ (self.seed >> 32)) as u32;
         let points = SobolSequence::for_pixel(x as u32, y as u32, seed);
+        worker.start_pixel(points);
         for sample in 0..self.samples {
             let [dx, dy] = self.filter.square_to_offset(points.point(sample, 0)).map(f64::from);
             worker.sample(x as f64 + 0.5 + dx, y as f64 + 0.5 + dy, weight, &mut radiance);

@@ -12,7 +12,8 @@
 //! | write light times reflectances as a program, and evaluate it to a bound of ΔE\*ab | [`expression`], [`adaptive`] |
 //! | share the work among colours that differ in scale, or do without cube roots | [`subdivision`], [`threshold_table`] |
 //! | have colours and their differences | [`colour`], [`bound`] |
-//! | bend and reflect light | [`dispersion`], [`schlick`] |
+//! | bend light, and reflect it at smooth boundaries | [`dispersion`], [`fresnel`] |
+//! | reflect it glossily: evaluate, sample, integrate | [`brdf`] |
 //! | multiply and divide three-component colours with less loss | [`bilinear`] |
 //! | have a spectrum for three components | [`upsampling`] |
 //! | filter materials for a dominant light | [`prefilter`] |
@@ -60,11 +61,13 @@ pub mod adaptation;
 pub mod adaptive;
 pub mod bilinear;
 pub mod bound;
+pub mod brdf;
 pub mod cct;
 pub mod colour;
 pub mod colour_rendering;
 pub mod dispersion;
 pub mod expression;
+pub mod fresnel;
 mod integrate;
 pub mod interval;
 mod lanes;
@@ -73,7 +76,6 @@ mod matrix;
 mod observer;
 pub mod prefilter;
 mod real;
-pub mod schlick;
 pub mod spectrum;
 pub mod subdivision;
 pub mod summation;

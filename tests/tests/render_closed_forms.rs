@@ -3,6 +3,7 @@
 
 use core::f64::consts::PI;
 
+use renderers::geometry::sampling::SobolSequence;
 use renderers::render::{Options, Spectra, render};
 use renderers::scene::{Scene, Source, load};
 use renderers::spectral::{FactorOrder, IntervalSettings, Palette, Radiance, Tracer};
@@ -171,7 +172,7 @@ fn through_glass(scene: &Scene, wavelength: f64) -> f64 {
     let whitted = Whitted::new(scene, [1, 1], &mut palette).unwrap();
     let mut worker = Worker::new(&whitted, FactorOrder::Free);
     let mut radiance = Radiance::default();
-    worker.start_pixel();
+    worker.start_pixel(SobolSequence::new(0));
     worker.sample(0.5, 0.5, 1.0, &mut radiance);
     let [(deferred, _, weight)] = *radiance.deferred() else { panic!("not one deferred path: {radiance:?}") };
     let traced = worker.trace(deferred, wavelength);

@@ -183,7 +183,7 @@ fn spheres_are_of_dispersive_glass_and_gold() {
     let gold = &scene.bsdf(shape(&scene, "gold_sphere").bsdf).kind;
     assert!(matches!(gold, BsdfKind::Conductor { fresnel: ConductorFresnel::Metal(Metal::Au), .. }));
     let sphere = |id: &str| match shape(&scene, id).geometry {
-        Geometry::Sphere { center, radius, inward: false } => (center, radius),
+        Geometry::Sphere { center, radius, inward: false, .. } => (center, radius),
         ref other => panic!("{id} is {other:?}"),
     };
     let ((a, r), (b, s)) = (sphere("glass_sphere"), sphere("gold_sphere"));

@@ -311,6 +311,37 @@ fn bad_materials_are_refused() {
 }
 
 #[test]
+fn bad_highlights_are_refused() {
+    let ward = |body: &str| object("bsdf", "ward", body);
+    let float = |name: &str, value: &str| ward(&format!("<float name='{name}' value='{value}'/>"));
+    let sum = |specular: &str, diffuse: &str| {
+        let [specular, diffuse] = [("specular", specular), ("diffuse", diffuse)]
+            .map(|(name, value)| format!("<spectrum name='{name}_reflectance' value='{value}'/>"));
+        ward(&format!("{specular}\n{diffuse}"))
+    };
+    assert_refused(vec![
+        (float("alpha", "0"), 4, "\"alpha\" must be between 1e-6 and 100"),
+        (float("alpha_u", "-0.1"), 4, "\"alpha_u\" must be between"),
+        (float("alpha_v", "nan"), 4, "finite"),
+        (float("alpha_v", "101"), 4, "between 1e-6 and 100, not 101"),
+        (ward("<float name='alpha' value='0.1'/>\n<float name='alpha_u' value='0.1'/>"), 4, "\"alpha\" excludes"),
+        (ward("<string name='variant' value='phong'/>"), 4, "\"phong\" is not supported"),
+        (float("specular_reflectance", "1.1"), 4, "above 1"),
+        (float("diffuse_reflectance", "-0.1"), 4, "negative"),
+        (float("reflectance", "0.1"), 4, "no property \"reflectance\""),
+        (float("specular_reflectance", "0.51"), 3, "but reach 1.01"),
+        (sum("0.5", "400:0.2, 500:0.6"), 3, "but reach 1.1 at 500 nm"),
+        // Only between the nodes of one of them is the sum too large.
+        (sum("400:0, 600:0.8", "550:0.5, 560:0.1"), 3, "but reach 1.1 at 550 nm"),
+        (sum("300:0.7, 800:0.7", "400:0.3, 500:0.3, 510:0.31, 520:0.3"), 3, "but reach 1.01 at 510 nm"),
+    ]);
+    // Where one ends, the other may reach 1; decimal fractions may add up to 1.
+    for good in [sum("300:1, 400:1", "401:1, 800:1"), sum("0.7", "0.3"), sum("400:0.9, 500:0.1", "400:0.1, 500:0.9")] {
+        assert!(load_text(&good).is_ok(), "{good}");
+    }
+}
+
+#[test]
 fn missing_scene_files_are_refused() {
     let error = load(&Source::disk("no/such/scene.xml"), &[]).unwrap_err();
     assert!(error.to_string().starts_with("no/such/scene.xml: cannot read the scene: "), "{error}");

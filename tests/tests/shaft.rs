@@ -4,6 +4,7 @@
 use std::collections::HashMap;
 
 use renderers::geometry::glam::{DMat3, DQuat, DVec3, Vec3A};
+use renderers::geometry::sampling::SobolSequence;
 use renderers::geometry::{
     Disk, Hit, Mesh, NO_PRIMITIVE, Parallelogram, Ray, Shaft, ShaftEnd, Sphere, Surface, SurfacePoint, World,
 };
@@ -377,7 +378,7 @@ fn gather(scene: &Whitted, pixels: impl Iterator<Item = (u32, u32)>) -> HashMap<
     let mut worker = Worker::new(scene, FactorOrder::Free);
     let sample = |(x, y): (u32, u32)| {
         let mut radiance = Radiance::default();
-        worker.start_pixel();
+        worker.start_pixel(SobolSequence::new(0));
         worker.sample(f64::from(x) + 0.5, f64::from(y) + 0.5, 1.0, &mut radiance);
         let leaves = |monomial| worker.monomials().leaves(monomial).to_vec();
         ((x, y), radiance.terms().iter().map(|(monomial, weight)| (leaves(*monomial), *weight)).collect())

@@ -69,7 +69,8 @@ impl Panel {
         }
     }
 
-    fn normal(&self) -> DVec3 {
+    /// The unit normal towards the side that shines.
+    pub(super) fn normal(&self) -> DVec3 {
         match self {
             Self::Rectangle(flat) | Self::Round { flat, .. } => flat.normal,
             Self::Triangle { normal, .. } => *normal,

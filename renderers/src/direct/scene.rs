@@ -27,7 +27,9 @@ pub fn sources(shape: &scene::Shape, first: u32) -> Option<Vec<Source>> {
             let (u, v): (DVec3, DVec3) = normal.any_orthonormal_pair();
             one(Shape::Disk(Flat { centre: *center, u: u * *radius, v: v * *radius, normal: *normal }))
         }
-        Geometry::Sphere { center, radius, inward: false } => one(Shape::Sphere { centre: *center, radius: *radius }),
+        Geometry::Sphere { center, radius, inward: false, .. } => {
+            one(Shape::Sphere { centre: *center, radius: *radius })
+        }
         Geometry::Sphere { inward: true, .. } => None,
         Geometry::Mesh(mesh) => {
             let triangle = |(primitive, i)| Source { shape: Shape::Triangle(mesh.corners(i)), primitive };
@@ -51,7 +53,7 @@ fn surface(geometry: &Geometry) -> Surface {
         Geometry::Disk { center, radius, normal } => {
             Surface::Disk(Disk::new(single(*center), single(*normal), *radius as f32))
         }
-        Geometry::Sphere { center, radius, inward } => {
+        Geometry::Sphere { center, radius, inward, .. } => {
             Surface::Sphere(Sphere { centre: single(*center), radius: *radius as f32, inward: *inward })
         }
         Geometry::Mesh(mesh) => Surface::Mesh(geometry::Mesh {

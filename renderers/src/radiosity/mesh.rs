@@ -152,7 +152,7 @@ fn tessellated(geometry: &Geometry) -> (Surface, Vec<Option<Polygon>>) {
             (surface, vec![Polygon::new(&corners, *normal)])
         }
         Geometry::Disk { center, radius, normal } => triangulated(disk(*center, *radius, *normal)),
-        Geometry::Sphere { center, radius, inward } => triangulated(sphere(*center, *radius, *inward)),
+        Geometry::Sphere { center, radius, inward, .. } => triangulated(sphere(*center, *radius, *inward)),
         Geometry::Mesh(mesh) => triangulated((mesh.positions.clone(), mesh.triangles.clone())),
     }
 }

@@ -6,7 +6,7 @@ use super::load::{Ids, label};
 use super::props::{Props, unsupported};
 use super::spectrum::{Role, Spectra};
 use super::xml::Node;
-use super::{Bsdf, BsdfId, BsdfKind, ConductorFresnel, Ior, Metal, SceneError, SpectrumKind};
+use super::{Bsdf, BsdfId, BsdfKind, ConductorFresnel, Ior, Metal, SceneError, SpectrumKind, WardVariant};
 
 /// Refractive indices that Mitsuba 3 knows by name: constants over the spectrum.
 const NAMED_IORS: [(&str, f64); 23] = [
@@ -40,7 +40,13 @@ const NAMED_IORS: [(&str, f64); 23] = [
 pub const DISPERSIVE_GLASSES: [&str; 9] =
     ["N-BK7", "SF10", "SF11", "N-SF11", "fused-silica", "water-20C", "CaF2", "S-FPL53", "437907"];
 
-const TYPES: [&str; 5] = ["diffuse", "conductor", "dielectric", "schlick", "twosided"];
+/// What decimal fractions that add up to 1 may be above it.
+const ROUNDING: f64 = 4.0 * f64::EPSILON;
+
+/// The roughness that the models are accurate for.
+const ALPHA: core::ops::RangeInclusive<f64> = 1e-6..=100.0;
+
+const TYPES: [&str; 6] = ["diffuse", "conductor", "dielectric", "schlick", "ward", "twosided"];
 
 /// The materials of a scene under construction; each element is read once however often it is referred to.
 pub(crate) struct Bsdfs<'a> {
@@ -77,6 +83,7 @@ impl<'a> Bsdfs<'a> {
             "conductor" => conductor(&mut props, spectra)?,
             "dielectric" => dielectric(&mut props, spectra)?,
             "schlick" => schlick(&mut props, spectra)?,
+            "ward" => ward(&mut props, spectra)?,
             "twosided" => self.two_sided(&mut props, spectra)?,
             other => return Err(unsupported(node, "bsdf type", other, &TYPES)),
         };
@@ -167,6 +174,39 @@ fn schlick<'a>(props: &mut Props<'a>, spectra: &mut Spectra<'a>) -> Result<BsdfK
         roughness: props.float_where("roughness", 1.0, |r| (0.0..=1.0).contains(&r), "between 0 and 1")?,
         isotropy: props.float_where("isotropy", 1.0, |p| p > 0.0 && p <= 1.0, "above 0 and at most 1")?,
     })
+}
+
+/// Ward's family, with the defaults of Mitsuba 0.6.
+fn ward<'a>(props: &mut Props<'a>, spectra: &mut Spectra<'a>) -> Result<BsdfKind, SceneError> {
+    const VARIANTS: [&str; 4] = ["ward", "ward-duer", "ward-neumann", "balanced"];
+    let variant = match props.choice("variant", &VARIANTS)? {
+        Some("ward") => WardVariant::Ward,
+        Some("ward-duer") => WardVariant::WardDuer,
+        Some("ward-neumann") => WardVariant::WardNeumann,
+        _ => WardVariant::Balanced,
+    };
+    let [alpha_u, alpha_v] = roughness(props)?;
+    let mut reflectance =
+        |name, default| spectra.property(props, name, Role::Fraction, SpectrumKind::Constant(default));
+    let specular_reflectance = reflectance("specular_reflectance", 0.2)?;
+    let diffuse_reflectance = reflectance("diffuse_reflectance", 0.5)?;
+    let (most, wavelength) = spectra.largest_sum(specular_reflectance, diffuse_reflectance);
+    if !(most <= 1.0 + ROUNDING) {
+        let place = wavelength.map_or(String::new(), |wavelength| format!(" at {wavelength} nm"));
+        let message = "\"specular_reflectance\" and \"diffuse_reflectance\" must not add up to more than 1, but reach";
+        return Err(props.node().error(format!("{message} {most}{place}")));
+    }
+    Ok(BsdfKind::Ward { variant, alpha_u, alpha_v, specular_reflectance, diffuse_reflectance })
+}
+
+/// `alpha`, or `alpha_u` and `alpha_v`, each 0.1 by default.
+fn roughness(props: &mut Props<'_>) -> Result<[f64; 2], SceneError> {
+    if let (Some(node), true) = (props.peek("alpha"), props.peek("alpha_u").or(props.peek("alpha_v")).is_some()) {
+        return Err(node.error("\"alpha\" excludes \"alpha_u\" and \"alpha_v\""));
+    }
+    let mut alpha = |name, default| props.float_where(name, default, |a| ALPHA.contains(&a), "between 1e-6 and 100");
+    let both = alpha("alpha", 0.1)?;
+    Ok([alpha("alpha_u", both)?, alpha("alpha_v", both)?])
 }
 
 fn factor<'a>(props: &mut Props<'a>, spectra: &mut Spectra<'a>, name: &str) -> Result<super::SpectrumId, SceneError> {

@@ -19,6 +19,7 @@ const SCENES: &[(&str, &str)] = embedded![
     "cornell-box-lamp.xml",
     "cornell-box-spheres.xml",
     "cornell-box-paper.xml",
+    "grazing.xml",
 ];
 
 const ASSETS: &[(&str, &str)] = embedded![

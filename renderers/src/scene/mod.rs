@@ -29,6 +29,7 @@
 //! | | `conductor` | `material` (`none`, `Au`, `Ag`, `Cu`, `Al`) or `eta` and `k`; `specular_reflectance` (1); default: perfect mirror |
 //! | | `dielectric` | `int_ior` (1.5046), `ext_ior` (1.000277): a number, a name of Mitsuba's, *ext.* one of [`DISPERSIVE_GLASSES`] or a spectrum; `specular_reflectance`, `specular_transmittance` (1); `absorption` *ext.* |
 //! | | `schlick` *ext.* | `reflectance` (0.5), `roughness` (1), `isotropy` (1) |
+//! | | `ward` *ext.* | `variant` (`ward`, `ward-duer`, `ward-neumann`, `balanced`: the default), `alpha` (0.1) or `alpha_u` and `alpha_v`, 10⁻⁶ to 100; `specular_reflectance` (0.2), `diffuse_reflectance` (0.5): together at most 1 at every wavelength |
 //! | | `twosided` | one or two `bsdf`s or `ref`s |
 //! | `<emitter>` | `area` (inside a shape) | `radiance`; `luminance` or `luminous_flux` *ext.* |
 //! | | `point` | `intensity`; `position` or `to_world`; `luminous_intensity` or `luminous_flux` *ext.* |
@@ -56,6 +57,10 @@
 //! `luminous_flux` where that is given, and shines as a point. In its own frame it hangs upright: its light goes down along
 //! −z (γ = 0), plane C0 is +x and C90 +y, and `to_world` moves, turns or mirrors that frame. `spectrum` gives the colour
 //! alone, its scale has no effect; the default is D65 as for all lights.
+//!
+//! The bsdf `ward` has the parameters and defaults of the plugin of Mitsuba 0.6, spelt as Mitsuba 3 spells them. `alpha_u` is along the
+//! derivative of the surface by its first coordinate, as in Mitsuba: along x of rectangles, away from the middle of disks, along the
+//! parallels of spheres, and on meshes along each triangle's first edge (texture coordinates are not read, which would decide there).
 //!
 //! Stricter than Mitsuba: refused are NaN and infinite numbers anywhere, negative spectra, reflectances above 1, indices
 //! that do not cover 380–780 nm, wavelengths that do not increase, singular transforms, radii and image sizes that are not

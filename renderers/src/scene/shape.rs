@@ -80,16 +80,17 @@ fn sphere(props: &mut Props<'_>, at: Node<'_>, to_world: &DAffine3, flip: bool) 
     }
     // Mitsuba turns a sphere inside out by mirroring it, though not the other shapes.
     let inward = flip != (to_world.matrix3.determinant() < 0.0);
-    Ok(Geometry::Sphere { center: to_world.transform_point3(center), radius: radius * scale, inward })
+    let axis = to_world.matrix3.z_axis.normalize_or(DVec3::Z);
+    Ok(Geometry::Sphere { center: to_world.transform_point3(center), radius: radius * scale, inward, axis })
 }
 
 /// The cube from (−1, −1, −1) to (1, 1, 1), flat shaded, its front outside.
 fn cube(to_world: &DAffine3, flip: bool) -> Mesh {
-    // Corner i has x, y, z from bits 0, 1, 2; every face anticlockwise from outside.
-    const FACES: [[u32; 4]; 6] = [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
+    // Corner i has x, y, z from bits 0, 1, 2; every face anticlockwise from outside, its first edge along Mitsuba's first coordinate.
+    const FACES: [[u32; 4]; 6] = [[4, 6, 2, 0], [1, 3, 7, 5], [1, 5, 4, 0], [6, 7, 3, 2], [0, 2, 3, 1], [5, 7, 6, 4]];
     let sign = |i: u32, bit: u32| if i >> bit & 1 == 1 { 1.0 } else { -1.0 };
     let corner = |i| to_world.transform_point3(DVec3::new(sign(i, 0), sign(i, 1), sign(i, 2)));
-    let triangles = FACES.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
+    let triangles = FACES.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [c, d, a]]).collect();
     let mut mesh = Mesh { positions: (0..8).map(corner).collect(), normals: None, triangles };
     // A mirroring turns the corners' order round; the outside stays the front.
     if flip != (to_world.matrix3.determinant() < 0.0) {

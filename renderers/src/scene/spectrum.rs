@@ -110,6 +110,19 @@ impl<'a> Spectra<'a> {
         self.intern(SpectrumKind::Constant(value), label)
     }
 
+    /// The largest sum of two reflectances over all wavelengths, and the wavelength in nm where it is reached, unless it is everywhere.
+    pub(crate) fn largest_sum(&self, first: SpectrumId, second: SpectrumId) -> (f64, Option<f64>) {
+        let kinds = [first, second].map(|id| self.list.get(id.0).map(|data| &data.kind));
+        let value = |wavelength: f64| kinds.iter().flatten().map(|kind| reflectance(kind, wavelength)).sum::<f64>();
+        // Sums of functions that are linear between nodes are largest at one of the nodes.
+        let nodes = kinds.iter().flatten().flat_map(|kind| match kind {
+            SpectrumKind::Table { wavelengths, .. } => wavelengths.as_slice(),
+            _ => &[],
+        });
+        let largest = nodes.map(|at| (value(*at), *at)).max_by(|a, b| a.0.total_cmp(&b.0));
+        largest.map_or_else(|| (value(0.0), None), |(most, at)| (most, Some(at)))
+    }
+
     /// Checks a spectrum that stands at the top of the scene, to be referred to by its id.
     pub(crate) fn check_declaration(&self, node: Node<'a>) -> Result<(), SceneError> {
         node.require("id")?;
@@ -327,6 +340,25 @@ fn check(node: Node<'_>, name: &str, kind: &SpectrumKind, role: Role) -> Result<
         }
     }
     Ok(())
+}
+
+/// The value of a reflectance, which is no emission spectrum.
+fn reflectance(kind: &SpectrumKind, wavelength: f64) -> f64 {
+    match kind {
+        SpectrumKind::Constant(value) => *value,
+        SpectrumKind::Table { wavelengths, values } => {
+            let after = wavelengths.partition_point(|w| *w < wavelength);
+            match (wavelengths.get(after), after.checked_sub(1)) {
+                (Some(at), _) if *at == wavelength => values[after],
+                (Some(to), Some(before)) => {
+                    let t = (wavelength - wavelengths[before]) / (to - wavelengths[before]);
+                    values[before] + (values[after] - values[before]) * t
+                }
+                _ => 0.0,
+            }
+        }
+        SpectrumKind::D65 { .. } | SpectrumKind::Blackbody { .. } => 0.0,
+    }
 }
 
 /// Least and greatest value at the nodes.

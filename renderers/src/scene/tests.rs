@@ -25,7 +25,10 @@ fn what_a_scene_leaves_out_is_as_in_mitsuba() {
     let film = Film { width: 768, height: 576, filter: Filter::Gaussian { stddev: 0.5 } };
     assert_eq!((scene.film, scene.sampler), (film, Sampler { sample_count: 4, seed: 0 }));
     assert_eq!((scene.camera.near_clip, scene.camera.far_clip), (1e-2, 1e4));
-    assert_eq!(scene.shapes[0].geometry, Geometry::Sphere { center: DVec3::ZERO, radius: 1.0, inward: false });
+    assert_eq!(
+        scene.shapes[0].geometry,
+        Geometry::Sphere { center: DVec3::ZERO, radius: 1.0, inward: false, axis: DVec3::Z }
+    );
     let BsdfKind::Diffuse { reflectance } = scene.bsdf(scene.shapes[0].bsdf).kind else { unreachable!() };
     assert_eq!(scene.spectrum(reflectance).kind, SpectrumKind::Constant(0.5));
     let Emitter::Area { shape: ShapeId(0), radiance } = scene.emitters[0] else { unreachable!() };
@@ -40,6 +43,25 @@ fn default_conductors_are_mirrors_and_default_dielectrics_bk7_in_air() {
     let BsdfKind::Dielectric { int_ior, ext_ior, absorption, .. } = &scene.bsdfs[1].kind else { unreachable!() };
     assert_eq!((int_ior, ext_ior, absorption), (&Ior::Constant(1.5046), &Ior::Constant(1.000_277), &None));
     assert!(matches!(scene.bsdfs[2].kind, BsdfKind::Schlick { roughness: 1.0, isotropy: 1.0, .. }));
+}
+
+#[test]
+fn highlights_have_the_defaults_of_mitsuba_0_6() {
+    let scene = read(
+        "<bsdf type='ward'/><bsdf type='ward'><string name='variant' value='ward-duer'/><float name='alpha' value='0.3'/>\
+         </bsdf><bsdf type='ward'><float name='alpha_v' value='0.3'/></bsdf>",
+    );
+    let found = |i: usize| match scene.bsdfs[i].kind {
+        BsdfKind::Ward { variant, alpha_u, alpha_v, specular_reflectance, diffuse_reflectance } => {
+            let [s, d] = [specular_reflectance, diffuse_reflectance].map(|id| scene.spectrum(id).kind.clone());
+            assert_eq!((s, d), (SpectrumKind::Constant(0.2), SpectrumKind::Constant(0.5)));
+            (variant, alpha_u, alpha_v)
+        }
+        _ => unreachable!(),
+    };
+    assert_eq!(found(0), (WardVariant::Balanced, 0.1, 0.1));
+    assert_eq!(found(1), (WardVariant::WardDuer, 0.3, 0.3));
+    assert_eq!(found(2), (WardVariant::Balanced, 0.1, 0.3));
 }
 
 #[test]
@@ -173,7 +195,7 @@ fn spheres_move_and_grow_with_their_transform_and_mirroring_turns_them_inside_ou
              <transform name='to_world'><rotate z='1' angle='90'/><scale value='{scale}'/><translate y='1'/></transform>
              <boolean name='flip_normals' value='{flip}'/></shape>"
         ));
-        let Geometry::Sphere { center, radius, inward } = scene.shapes[0].geometry else { unreachable!() };
+        let Geometry::Sphere { center, radius, inward, .. } = scene.shapes[0].geometry else { unreachable!() };
         assert!((radius - 6.0).abs() <= 1e-14);
         (center, inward)
     };

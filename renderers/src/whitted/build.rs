@@ -1,7 +1,8 @@
 //! From a scene's data to what the tracer needs.
 
-use super::{RenderError, Settings, Whitted};
+use super::{GlossyLight, RenderError, Settings, Surface, Whitted};
 use crate::direct::{self, Blockers, Cells, Light, Source};
+use crate::frame::Parametrisation;
 use crate::geometry::{self, Camera};
 use crate::material::Material;
 use crate::scene::{Emitter, FovAxis, Geometry, Integrator, Scene, Shape};
@@ -13,16 +14,19 @@ impl Whitted {
     /// # Errors
     /// Whatever this renderer can't do, by the name the scene gives it.
     pub fn new(scene: &Scene, size: [u32; 2], palette: &mut Palette) -> Result<Self, RenderError> {
-        let mut materials = Vec::new();
-        for shape in &scene.shapes {
-            materials.push((Material::new(scene, shape.bsdf, palette)?, None));
-        }
         let world = direct::world(scene).map_err(|e| RenderError::new(e.to_string()))?;
+        let mut surfaces = Vec::new();
+        for (number, shape) in scene.shapes.iter().enumerate() {
+            let material = Material::new(scene, shape.bsdf, palette)?;
+            let axes = || Parametrisation::new(&shape.geometry, world.primitives(number).start);
+            let parametrisation = material.has_axes().then(axes);
+            surfaces.push(Surface { material, emission: None, parametrisation });
+        }
         let mut result = Self {
             world,
             blockers: Blockers::new(scene),
             camera: camera(scene, size)?,
-            surfaces: materials,
+            surfaces,
             lights: Vec::new(),
             ambient: Vec::new(),
             cells: None,
@@ -41,8 +45,8 @@ impl Whitted {
             Emitter::Area { shape, radiance } => {
                 let radiance = light(*radiance);
                 let data = scene.shapes.get(shape.0).ok_or_else(|| RenderError::new("a light has no shape"))?;
-                if let Some((_, emission)) = self.surfaces.get_mut(shape.0) {
-                    *emission = Some(radiance);
+                if let Some(surface) = self.surfaces.get_mut(shape.0) {
+                    surface.emission = Some((radiance, self.lights.len()));
                 }
                 let primitive = self.world.primitives(shape.0).start;
                 self.lights.push(Light::Area { source: area_source(data, primitive)?, radiance });
@@ -71,12 +75,13 @@ impl Whitted {
 /// from a light.
 fn settings(integrator: Integrator) -> Result<Settings, RenderError> {
     const MOST: u32 = 256;
+    let settings = |max_depth| Settings { max_depth, glossy: GlossyLight::default() };
     match integrator {
-        Integrator::Whitted { max_depth } => Ok(Settings { max_depth }),
+        Integrator::Whitted { max_depth } => Ok(settings(max_depth)),
         Integrator::Path { max_depth: Some(0 | 1), .. } => Err(RenderError::new(
             "the Whitted renderer can't leave out direct light: the max_depth of a path must be 2 or more",
         )),
-        Integrator::Path { max_depth: Some(depth), .. } => Ok(Settings { max_depth: (depth - 2).min(MOST) }),
+        Integrator::Path { max_depth: Some(depth), .. } => Ok(settings((depth - 2).min(MOST))),
         _ => Ok(Settings::default()),
     }
 }

@@ -1,5 +1,5 @@
-//! Whitted's ray tracer: direct light, mirrors, refraction and a constant ambient term, written down as rendering expressions
-//! (Iehl–Péroche §2, §4).
+//! Whitted's ray tracer: direct light, mirrors, refraction, glossy reflection and a constant ambient term, written down as rendering
+//! expressions (Iehl–Péroche §2, §4).
 //!
 //! Each camera ray adds to its pixel's [`Radiance`]. A path through a medium whose index depends on the wavelength is
 //! [deferred](crate::spectral::Deferred): its reflected part is traced at once, its refracted part when a wavelength is asked
@@ -8,24 +8,33 @@
 //! Of a scene's integrator only the depth counts: mirrors and glass are followed for `direct`, too, and `rr_depth` has no effect, since no
 //! path is ended at random.
 //!
+//! Surfaces of Ward's family are the only ones that take random numbers: their highlights are estimated by 4 to 32 pairs of directions for
+//! each camera ray, the more the rougher, and reflect other surfaces; see [`GlossyLight`]. Noise goes down with the camera rays per pixel.
+//!
 //! Approximations: light that reaches a diffuse surface by way of mirrors or glass is not found (caustics), and light between diffuse
 //! surfaces is the scene's ambient term. Paths end after [`max_depth`](Settings::max_depth) reflections and refractions, or when the light that
 //! comes back can count for less than 10⁻⁴ before the reflectances of mirrors.
 
 mod build;
+mod glossy;
 
 pub(crate) use build::camera;
 
 use glam::DVec3;
-use spectral_core::schlick::{Schlick, schlick_fresnel};
+use spectral_core::brdf::Schlick;
+use spectral_core::fresnel;
 
-use crate::direct::{Blockers, Cells, Cover, KnownCells, Light, Part, Receiver, Scratch, Surroundings, single};
+pub use self::glossy::GlossyLight;
+use crate::direct::{Blockers, Cells, Cover, KnownCells, Light, Part, Receiver, Scratch, Source, Surroundings, single};
+use crate::frame::{Frame, Parametrisation};
+use crate::geometry::sampling::SobolSequence;
 use crate::geometry::{Camera, Hit, Ray, World};
-use crate::material::{Dielectric, Material, dielectric_fresnel, mirror_factors};
+use crate::material::{Dielectric, Lobe, Material, mirror_factors};
 use crate::spectral::{Deferred, Factor, FactorOrder, Monomial, Monomials, Radiance, Tracer};
 
-/// Paths that count for less are not followed.
+/// Paths that count for less in a pixel are not followed, if they count for less than the second number in their camera ray, too.
 const LEAST_WEIGHT: f64 = 1e-4;
+const LEAST_SHARE: f64 = 2e-3;
 
 /// Why a scene can't be rendered: one line.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -54,11 +63,13 @@ pub const DEFAULT_MAX_DEPTH: u32 = 8;
 pub struct Settings {
     /// The longest chain of reflections and refractions.
     pub max_depth: u32,
+    /// How glossy surfaces find the light of sources that have an area.
+    pub glossy: GlossyLight,
 }
 
 impl Default for Settings {
     fn default() -> Self {
-        Self { max_depth: DEFAULT_MAX_DEPTH }
+        Self { max_depth: DEFAULT_MAX_DEPTH, glossy: GlossyLight::default() }
     }
 }
 
@@ -68,8 +79,8 @@ pub struct Whitted {
     world: World,
     blockers: Blockers,
     camera: Camera,
-    /// For each shape, its material and the radiance of its front.
-    surfaces: Vec<(Material, Option<Factor>)>,
+    /// One for each shape.
+    surfaces: Vec<Surface>,
     lights: Vec<Light>,
     ambient: Vec<Factor>,
     /// Cells for certified visibility, unless it is switched off.
@@ -77,7 +88,39 @@ pub struct Whitted {
     settings: Settings,
 }
 
+/// What a shape does with light.
+#[derive(Debug)]
+struct Surface {
+    material: Material,
+    /// The radiance of its front, and the number of the light that it is.
+    emission: Option<(Factor, usize)>,
+    /// Where its material has axes.
+    parametrisation: Option<Parametrisation>,
+}
+
 impl Whitted {
+    /// The same scene, its glossy surfaces lit in another way: for comparison.
+    #[must_use]
+    pub const fn with_glossy_light(mut self, glossy: GlossyLight) -> Self {
+        self.settings.glossy = glossy;
+        self
+    }
+
+    /// The frame of a surface whose material has axes.
+    fn frame(&self, hit: &Hit) -> Option<Frame> {
+        let surface = self.surfaces.get(hit.shape as usize)?;
+        surface.parametrisation.as_ref().map(|parametrisation| parametrisation.frame(hit))
+    }
+
+    /// The light with an area that a shape is.
+    fn source(&self, shape: u32) -> Option<&Source> {
+        let (_, number) = self.surfaces.get(shape as usize)?.emission?;
+        match self.lights.get(number)? {
+            Light::Area { source, .. } => Some(source),
+            _ => None,
+        }
+    }
+
     /// The same scene, with shadow rays everywhere: for comparison.
     #[must_use]
     pub fn without_shaft_culling(mut self) -> Self {
@@ -95,6 +138,8 @@ pub struct Worker<'s> {
     deferred: Vec<Interface>,
     known: KnownCells,
     scratch: Scratch,
+    points: SobolSequence,
+    samples: u32,
     rays: u64,
 }
 
@@ -103,11 +148,10 @@ pub struct Worker<'s> {
 struct Interface {
     hit: Hit,
     direction: DVec3,
-    depth: u32,
     /// The light mirrored there, which is wavelength-free but for its share.
     reflected: Radiance,
-    /// What the path counts for.
-    weight: f64,
+    /// The path that came there.
+    path: Path,
 }
 
 /// Where a path is: what its light is multiplied by, and how it was deferred.
@@ -115,7 +159,13 @@ struct Interface {
 struct Path {
     monomial: Monomial,
     weight: f64,
+    /// It is not followed where its weight is less.
+    least: f64,
     depth: u32,
+    /// Whether a glossy surface has chosen its direction.
+    scattered: bool,
+    /// Its number among the pixel's paths at this depth.
+    index: u32,
     /// The wavelength in nm, once the path depends on it.
     wavelength: Option<f64>,
     /// The way's length counts for absorption by the interior of this shape.
@@ -132,6 +182,8 @@ impl<'s> Worker<'s> {
             deferred: Vec::new(),
             known: KnownCells::default(),
             scratch: Scratch::default(),
+            points: SobolSequence::new(0),
+            samples: 0,
             rays: 0,
         }
     }
@@ -147,16 +199,29 @@ impl<'s> Worker<'s> {
         self.deferred.clear();
     }
 
-    /// Forgets the deferred light of the last pixel.
-    pub fn start_pixel(&mut self) {
+    /// Forgets the deferred light of the last pixel, and takes the next one's random numbers from these points, whose first two dimensions
+    /// are the film's.
+    pub fn start_pixel(&mut self, points: SobolSequence) {
         self.deferred.clear();
+        self.points = points;
+        self.samples = 0;
     }
 
-    /// Adds the radiance seen at a film position in pixels, times a weight.
+    /// Adds the radiance seen at a film position in pixels, times a weight: the next of the pixel's camera rays.
     #[allow(clippy::cast_possible_truncation, reason = "film positions are f32")]
     pub fn sample(&mut self, x: f64, y: f64, weight: f64, radiance: &mut Radiance) {
         let ray = self.scene.camera.ray(x as f32, y as f32);
-        let path = Path { monomial: Monomial::default(), weight, depth: 0, wavelength: None, interior: None };
+        let path = Path {
+            monomial: Monomial::default(),
+            weight,
+            least: LEAST_WEIGHT.min(weight * LEAST_SHARE),
+            depth: 0,
+            scattered: false,
+            index: self.samples,
+            wavelength: None,
+            interior: None,
+        };
+        self.samples = self.samples.wrapping_add(1);
         self.gather(&ray, path, radiance);
     }
 
@@ -173,36 +238,56 @@ impl<'s> Worker<'s> {
     /// Adds the light that comes back along a ray.
     fn gather(&mut self, ray: &Ray, path: Path, radiance: &mut Radiance) {
         self.rays += 1;
-        let scene = self.scene;
-        let Some(hit) = scene.world.closest_hit(ray) else { return };
-        let Some((material, emission)) = scene.surfaces.get(hit.shape as usize) else { return };
+        let Some(hit) = self.scene.world.closest_hit(ray) else { return };
         let direction = ray.direction.as_dvec3().normalize_or_zero();
         let path = self.absorbed(path, ray, &hit);
-        if let (Some(emission), true) = (emission, hit.front) {
+        self.emitted(&hit, path, radiance);
+        self.shade(&hit, direction, path, radiance);
+    }
+
+    /// Adds what a surface that was hit sends out by itself.
+    fn emitted(&mut self, hit: &Hit, path: Path, radiance: &mut Radiance) {
+        let scene = self.scene;
+        if let (Some(Surface { emission: Some((emission, _)), .. }), true) =
+            (scene.surfaces.get(hit.shape as usize), hit.front)
+        {
             self.add(path, *emission, radiance);
         }
+    }
+
+    /// Adds what a surface that was hit along a direction reflects and lets through.
+    fn shade(&mut self, hit: &Hit, direction: DVec3, path: Path, radiance: &mut Radiance) {
+        let scene = self.scene;
+        let Some(Surface { material, .. }) = scene.surfaces.get(hit.shape as usize) else { return };
         match material.side(hit.front) {
             None | Some(Material::TwoSided(_)) => {}
-            Some(Material::Diffuse(reflectance)) => self.diffuse(&hit, path, *reflectance, radiance),
+            Some(material @ (Material::Diffuse(_) | Material::Ward(_))) => {
+                for (factor, lobe) in material.lobes().into_iter().flatten() {
+                    match lobe {
+                        Lobe::Lambert => self.diffuse(hit, path, factor, radiance),
+                        Lobe::Glossy(lobe) => self.glossy(hit, direction, path, (factor, lobe), radiance),
+                    }
+                }
+            }
             Some(Material::Schlick { reflectance, roughness, isotropy }) => {
-                if let Some(model) = Schlick::new(*roughness, *isotropy) {
-                    self.schlick(&hit, direction, path, *reflectance, (&model, *roughness), radiance);
+                if let Ok(model) = Schlick::new(*roughness, *isotropy) {
+                    self.schlick(hit, direction, path, *reflectance, (&model, *roughness), radiance);
                 }
             }
             Some(Material::Mirror(factors)) => {
-                let cosine = -direction.dot(receiver(&hit).normal);
+                let cosine = -direction.dot(receiver(hit).normal);
                 let shares = mirror_factors(factors, cosine).map(|(factor, share)| (Some(factor), share));
-                self.mirror(&hit, direction, path, &shares, radiance);
+                self.mirror(hit, direction, path, &shares, radiance);
             }
             Some(Material::Dielectric(dielectric)) => {
-                self.dielectric(hit, direction, path, dielectric, radiance);
+                self.dielectric(*hit, direction, path, dielectric, radiance);
             }
         }
     }
 
     /// The path's light after its way through the medium it is in.
     fn absorbed(&self, path: Path, ray: &Ray, hit: &Hit) -> Path {
-        let Some((Material::Dielectric(medium), _)) =
+        let Some(Surface { material: Material::Dielectric(medium), .. }) =
             path.interior.and_then(|shape| self.scene.surfaces.get(shape as usize))
         else {
             return path;
@@ -279,7 +364,7 @@ impl<'s> Worker<'s> {
             self.add(Path { weight: coloured.weight * (1.0 - specular), ..coloured }, *ambient, radiance);
         }
         if specular > 0.0 {
-            let fresnel = schlick_fresnel(view.dot(receiver.normal));
+            let fresnel = fresnel::schlick_factor(view.dot(receiver.normal));
             let shares = [(Some(reflectance), specular * (1.0 - fresnel)), (None, specular * fresnel)];
             self.mirror(hit, direction, path, &shares, radiance);
         }
@@ -318,7 +403,7 @@ impl<'s> Worker<'s> {
 
     /// Follows a path one step further, unless it is too deep or counts for too little.
     fn follow(&mut self, ray: &Ray, path: Path, interior: Option<u32>, radiance: &mut Radiance) {
-        if path.depth < self.scene.settings.max_depth && path.weight >= LEAST_WEIGHT {
+        if path.depth < self.scene.settings.max_depth && path.weight >= path.least {
             self.gather(ray, Path { depth: path.depth + 1, interior, ..path }, radiance);
         }
     }
@@ -329,7 +414,7 @@ impl<'s> Worker<'s> {
             let unit = Path { monomial: Monomial::default(), ..path };
             let by = self.times(unit, dielectric.reflectance);
             self.follow(&mirror_ray(&hit, direction), by, path.interior, &mut reflected);
-            let interface = Interface { hit, direction, depth: path.depth, reflected, weight: path.weight };
+            let interface = Interface { hit, direction, reflected, path };
             let number = u32::try_from(self.deferred.len()).unwrap_or(u32::MAX);
             self.deferred.push(interface);
             // The interface's own light already counts for the path's weight.
@@ -357,7 +442,9 @@ impl<'s> Worker<'s> {
         let mut light = Radiance::default();
         let scene = self.scene;
         let Some(interface) = self.deferred.get(number).cloned() else { return light };
-        let Some((Material::Dielectric(dielectric), _)) = scene.surfaces.get(interface.hit.shape as usize) else {
+        let Some(Surface { material: Material::Dielectric(dielectric), .. }) =
+            scene.surfaces.get(interface.hit.shape as usize)
+        else {
             return light;
         };
         let (share, refracted) = boundary(dielectric, &interface.hit, interface.direction, wavelength);
@@ -374,10 +461,10 @@ impl<'s> Worker<'s> {
         if let Some(onward) = refracted {
             let path = Path {
                 monomial: Monomial::default(),
-                weight: interface.weight * (1.0 - share),
-                depth: interface.depth,
+                weight: interface.path.weight * (1.0 - share),
                 wavelength: Some(wavelength),
                 interior: None,
+                ..interface.path
             };
             self.refract(&interface.hit, onward, path, dielectric, &mut light);
         }
@@ -414,7 +501,7 @@ fn schlick_terms(model: &Schlick<f64>, receiver: &Receiver, view: DVec3, tangent
     let t = half.dot(receiver.normal).clamp(0.0, 1.0);
     let w = across.normalize_or(tangent).dot(tangent);
     let u = half.dot(part.direction).clamp(0.0, 1.0);
-    (model.geometric(t, v, v_light, w), schlick_fresnel(u))
+    (model.geometric(t, v, v_light, w), fresnel::schlick_factor(u))
 }
 
 /// The surface element that was hit, on the side that was seen.
@@ -440,7 +527,7 @@ pub(crate) fn boundary(dielectric: &Dielectric, hit: &Hit, direction: DVec3, wav
     let relative = dielectric.relative_index(wavelength);
     let eta = if hit.front { relative } else { 1.0 / relative };
     let cosine = (-direction.dot(normal)).clamp(0.0, 1.0);
-    match dielectric_fresnel(cosine, eta) {
+    match fresnel::dielectric(cosine, eta) {
         None => (1.0, None),
         Some((share, refracted)) => {
             (share, Some((direction / eta + normal * (cosine / eta - refracted)).normalize_or_zero()))
