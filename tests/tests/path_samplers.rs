@@ -11,7 +11,7 @@ use spectral_tests::statistics::{ChiSquare, Rng};
 
 const SIGNIFICANCE: f64 = 0.01;
 /// All chi-square tests of this file.
-const TESTS: u32 = 5 + 2 + 1 + 5;
+const TESTS: u32 = 5 + 2 + 1 + 8;
 const SAMPLES: u32 = 200_000;
 
 const MESH: &str = "v -1 -1 2\nv 1 -1 2\nv 0 1 2.5\nv 3 0 1\nv 3.2 0.3 2\nf 1 3 2\nf 2 3 4\nf 2 4 5\n";

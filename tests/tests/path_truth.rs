@@ -3,6 +3,7 @@
 
 use core::f64::consts::PI;
 
+use renderers::luminaire::{LuminousIntensity, PhotometricFile};
 use renderers::path::{Run, Strategy, render};
 use renderers::render::{Options, Renderer, Rendering, Spectra};
 use renderers::scene::{Integrator, Scene, Source, builtin, load};
@@ -90,7 +91,11 @@ fn scene(max_depth: i32, eye: [f64; 3], target: [f64; 3], body: &str) -> Scene {
         <rfilter type='box'/></film></sensor>{body}</scene>",
         integrator(max_depth)
     );
-    load(&Source::text("test.xml", xml).with_asset("light.obj", POLYGON), &[]).unwrap()
+    let gammas = vec![0.0, 90.0, 180.0];
+    let candela = vec![100.0, 190.0, 280.0, 200.0, 110.0, 20.0];
+    let lamp = PhotometricFile::new(LuminousIntensity::table(vec![0.0, 90.0], gammas, candela).unwrap(), "lamp");
+    let source = Source::text("test.xml", xml).with_asset("light.obj", POLYGON).with_asset("lamp.ies", lamp.to_ies());
+    load(&source, &[]).unwrap()
 }
 
 fn options(spectra: Spectra, samples: u32) -> Options {
@@ -193,6 +198,21 @@ fn polygon_lights_over_a_plane_are_their_closed_forms() {
     all.judge(0.02);
 }
 
+/// `independent`: the Whitted renderer, which meets lights without area exactly.
+#[test]
+fn a_luminaire_lights_the_floor_as_in_the_whitted_renderer() {
+    let lamp = "<emitter type='luminaire'><string name='filename' value='lamp.ies'/><transform name='to_world'>
+        <rotate x='1' angle='-90'/><rotate y='1' angle='30'/><translate y='2'/></transform></emitter>";
+    // Right below, azimuths and thus intensities are undecided.
+    for x in [0.5, 1.5, -4.0] {
+        let scene = scene(2, [x, 0.05, 0.0], [x, 0.0, 0.0], &format!("{FLOOR}{lamp}"));
+        let whitted = Options { spectra: Spectra::Uniform(8), samples: Some(1), ..Options::default() };
+        let expected = luminance(&renderers::render::render(&scene, &whitted, &|_| {}).unwrap(), 0);
+        let found = Estimate::of(&traced(&scene, Strategy::Both, &options(Spectra::Uniform(8), 64)), 0..1);
+        assert!(expected > 0.0 && (found.value / expected - 1.0).abs() <= 64.0 * ROUNDING, "{x}: {found:?} {expected}");
+    }
+}
+
 #[test]
 fn lights_without_area_follow_cosine_and_inverse_square() {
     let mut all = Comparisons::default();
@@ -264,6 +284,8 @@ fn a_furnace_is_a_geometric_series() {
         }
     }
     all.judge(0.02);
+    let nothing = point(&scene(0, [0.1, 0.2, 0.3], [0.5, -0.3, 0.4], "<shape type='sphere'/>"));
+    assert_eq!(nothing.value, 0.0);
 }
 
 /// Two wide parallel planes, one of which shines: (E₁ + ρ₁ E₂) / (1 − ρ₁ ρ₂) for each.
@@ -305,6 +327,8 @@ fn all_strategies_have_the_same_mean() {
         "<bsdf type='diffuse'><spectrum name='reflectance' value='0.625'/></bsdf>",
         "<bsdf type='schlick'><float name='roughness' value='0.2'/><float name='isotropy' value='1'/></bsdf>",
         "<bsdf type='schlick'><float name='roughness' value='0.7'/><float name='isotropy' value='0.3'/></bsdf>",
+        "<bsdf type='ward'><float name='alpha_u' value='0.1'/><float name='alpha_v' value='0.3'/>
+        <spectrum name='specular_reflectance' value='0.3'/><spectrum name='diffuse_reflectance' value='0.3'/></bsdf>",
         "<bsdf type='twosided'><bsdf type='schlick'><float name='roughness' value='0.4'/></bsdf></bsdf>",
     ] {
         let floor = format!(

@@ -112,7 +112,7 @@ impl Lights {
                     .get(id.0)
                     .ok_or_else(|| RenderError::new("a light belongs to a shape that isn't there"))?;
                 let first = world.primitives(id.0).start;
-                if let Geometry::Sphere { center, radius, inward: true } = shape.geometry {
+                if let Geometry::Sphere { center, radius, inward: true, .. } = shape.geometry {
                     let area = 4.0 * PI * radius * radius;
                     add(Kind::Inside { centre: center, radius }, *radiance, PI * area);
                 }

@@ -29,10 +29,13 @@ use std::time::Instant;
 
 use rayon::prelude::*;
 use spectral_core::bilinear::Tensor;
+use spectral_core::colour::rgb::xyz_to_linear_rgb;
 
 use crate::direct;
+use crate::frame::{Frame as SurfaceFrame, Parametrisation};
 use crate::geometry::sampling::SobolSequence;
-use crate::geometry::{Camera, Filter, World};
+use crate::geometry::{Camera, Filter, Hit, World};
+use crate::image::{ImageError, Raster};
 use crate::material::Material;
 use crate::render::{Options, Rendering, Spectra, Variance, check_area, filter, prefiltered, single};
 use crate::scene::{Emitter, Integrator, Scene};
@@ -48,6 +51,9 @@ use triple::Triple;
 
 /// Pixels that a thread renders at a time.
 const CHUNK: usize = 64;
+
+/// The most pixels: their sums take 1.75 GiB.
+const MOST_PIXELS: u64 = 1 << 24;
 
 /// How often the state is saved.
 const SAVE_EVERY: Duration = Duration::from_secs(60);
@@ -83,13 +89,23 @@ impl Settings {
     }
 }
 
+/// What a shape does with light.
+#[derive(Clone, Debug)]
+struct Surface {
+    material: Material,
+    /// The radiance of its front.
+    emission: Option<Factor>,
+    /// Where its material has axes, what they are.
+    parametrisation: Option<Parametrisation>,
+}
+
 /// A scene made ready for tracing paths.
 #[derive(Debug)]
 pub struct PathTracer {
     world: World,
     camera: Camera,
-    /// For each shape, its material and the radiance of its front.
-    surfaces: Vec<(Material, Option<Factor>)>,
+    /// For each shape, what it does.
+    surfaces: Vec<Surface>,
     lights: Lights,
     settings: Settings,
     strategy: Strategy,
@@ -101,21 +117,31 @@ impl PathTracer {
     /// # Errors
     /// Whatever this renderer can't do.
     pub fn new(scene: &Scene, size: [u32; 2], palette: &mut Palette) -> Result<Self, RenderError> {
+        let world = direct::world(scene).map_err(|e| RenderError::new(e.to_string()))?;
         let mut surfaces = Vec::new();
-        for shape in &scene.shapes {
-            surfaces.push((Material::new(scene, shape.bsdf, palette)?, None));
+        for (number, shape) in scene.shapes.iter().enumerate() {
+            let material = Material::new(scene, shape.bsdf, palette)?;
+            let first = world.primitives(number).start;
+            let parametrisation = material.has_axes().then(|| Parametrisation::new(&shape.geometry, first));
+            surfaces.push(Surface { material, emission: None, parametrisation });
         }
         for emitter in &scene.emitters {
             if let Emitter::Area { shape, radiance } = emitter
-                && let Some((_, emission)) = surfaces.get_mut(shape.0)
+                && let Some(surface) = surfaces.get_mut(shape.0)
             {
-                *emission = Some(palette.factor(scene.spectrum(*radiance), Role::Light));
+                surface.emission = Some(palette.factor(scene.spectrum(*radiance), Role::Light));
             }
         }
-        let world = direct::world(scene).map_err(|e| RenderError::new(e.to_string()))?;
         let lights = Lights::new(scene, &world, palette)?;
         let (settings, strategy) = (Settings::new(scene.integrator), Strategy::default());
         Ok(Self { camera: camera(scene, size)?, world, surfaces, lights, settings, strategy })
+    }
+}
+
+impl Surface {
+    /// The axes at a hit, if the material has some.
+    fn frame(&self, hit: &Hit) -> Option<SurfaceFrame> {
+        self.parametrisation.as_ref().map(|parametrisation| parametrisation.frame(hit))
     }
 }
 
@@ -142,6 +168,7 @@ pub fn render(
     let start = Instant::now();
     let size = options.size.unwrap_or([scene.film.width, scene.film.height]);
     check_area(size)?;
+    check_memory(size)?;
     let mut palette = Palette::default();
     let tracer = PathTracer { strategy: run.strategy, ..PathTracer::new(scene, size, &mut palette)? };
     let seed = options.seed.unwrap_or(scene.sampler.seed);
@@ -170,6 +197,18 @@ pub fn render(
             with_components(Components::bilinear(&palette, &Tensor::rec_709()).map_err(RenderError::new)?)
         }
     }
+}
+
+/// Refuses pictures whose sums would take too much memory.
+fn check_memory([width, height]: [u32; 2]) -> Result<(), RenderError> {
+    let pixels = u64::from(width) * u64::from(height);
+    if pixels <= MOST_PIXELS {
+        return Ok(());
+    }
+    let gigabytes = (pixels * size_of::<Pixel>() as u64).div_ceil(1 << 30);
+    Err(RenderError::new(format!(
+        "path tracing {width} × {height} pixels takes {gigabytes} GiB: at most {MOST_PIXELS} pixels are allowed"
+    )))
 }
 
 /// What all threads share.
@@ -287,20 +326,20 @@ impl Frame<'_> {
         components: usize,
         rays: u64,
         [seconds, preparation_seconds]: [f64; 2],
-    ) -> Result<Rendering, crate::image::ImageError> {
-        use crate::image::Raster;
-        use spectral_core::colour::rgb::xyz_to_linear_rgb;
+    ) -> Result<Rendering, ImageError> {
         let [width, height] = self.identity.size;
-        let raster = Raster::from_pixels(width, height, pixels.to_vec())?;
-        let variances = raster.map(|p| p.variance(self.samples).unwrap_or_default());
+        let pixel = |x: usize, y: usize| &pixels[y * width + x];
+        let variances = Raster::from_fn(width, height, |x, y| pixel(x, y).variance(self.samples).unwrap_or_default())?;
         let variance = (self.samples >= 2).then(|| Variance {
             rgb: variances.map(|[r, g, b, _]| [*r, *g, *b].map(single)),
             luminance: variances.map(|[_, _, _, y]| single(*y)),
         });
         #[allow(clippy::cast_precision_loss, reason = "at most some thousand")]
-        let intervals = raster.map(|_| components as f32);
+        let intervals = variances.map(|_| components as f32);
         Ok(Rendering {
-            picture: raster.map(|p| xyz_to_linear_rgb(p.mean(self.samples)).map(single)),
+            picture: Raster::from_fn(width, height, |x, y| {
+                xyz_to_linear_rgb(pixel(x, y).mean(self.samples)).map(single)
+            })?,
             intervals,
             delta_e: None,
             path_delta_e: None,

@@ -7,14 +7,13 @@ use super::light::End;
 use super::scatter::Scatterer;
 use crate::direct::{Receiver, single};
 use crate::geometry::Ray;
-use crate::material::Material;
 
 /// A place on a surface of a scene, as paths meet it.
 #[derive(Clone, Copy, Debug)]
 pub struct Probe<'s> {
     tracer: &'s PathTracer,
     receiver: Receiver,
-    scatterer: Option<Scatterer>,
+    scatterer: Option<Scatterer<'s>>,
 }
 
 /// A direction that a sampler chose.
@@ -35,13 +34,11 @@ impl PathTracer {
     pub fn probe(&self, origin: DVec3, direction: DVec3) -> Option<Probe<'_>> {
         let direction = direction.try_normalize()?;
         let hit = self.world.closest_hit(&Ray::new(single(origin), single(direction)))?;
-        let (material, _) = self.surfaces.get(hit.shape as usize)?;
+        let surface = self.surfaces.get(hit.shape as usize)?;
         let receiver = crate::whitted::receiver(&hit);
-        let material = material.side(hit.front)?;
-        let scatterer = match material {
-            Material::Mirror(_) | Material::Dielectric(_) => None,
-            material => Scatterer::new(material, &receiver, -direction).map(|(scatterer, _)| scatterer),
-        };
+        let material = surface.material.side(hit.front)?;
+        let scatterer =
+            Scatterer::new(material, &receiver, surface.frame(&hit), -direction).map(|(scatterer, _)| scatterer);
         Some(Probe { tracer: self, receiver, scatterer })
     }
 }

@@ -1,32 +1,46 @@
 //! How surfaces scatter light: values, directions chosen by importance, and their densities.
 
-use core::f64::consts::{PI, TAU};
+use core::f64::consts::PI;
 
 use glam::DVec3;
-use spectral_core::schlick::{Schlick, schlick_fresnel};
+use spectral_core::brdf::{Brdf, Schlick};
+use spectral_core::fresnel;
 
 use super::carrier::Term;
 use crate::direct::Receiver;
+use crate::frame::Frame;
 use crate::geometry::sampling::square_to_cosine_hemisphere;
-use crate::material::Material;
+use crate::material::{Glossy, Lobe, Material};
 use crate::spectral::Factor;
+
+/// How often a lobe over a Lambertian base is chosen.
+const GLOSSY_SHARE: f64 = 0.5;
 
 /// A surface that scatters light into a solid angle.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Scatterer {
+pub(super) struct Scatterer<'m> {
+    frame: Frame,
     normal: DVec3,
     geometric: DVec3,
-    tangent: DVec3,
-    bitangent: DVec3,
-    /// Unit vector to the eye.
+    /// Unit vector to the eye, and the same in the frame.
     view: DVec3,
-    model: Model,
+    local_view: [f64; 3],
+    model: Model<'m>,
 }
 
 #[derive(Clone, Copy, Debug)]
-enum Model {
+enum Model<'m> {
     Diffuse,
-    Schlick { model: Schlick<f64>, reflectance: Factor, roughness: f64, isotropy: f64 },
+    Schlick {
+        model: Schlick<f64>,
+        reflectance: Factor,
+    },
+    /// A lobe over a Lambertian base, if there is one.
+    Layered {
+        base: Option<Factor>,
+        lobe: Glossy<'m>,
+        specular: Factor,
+    },
 }
 
 /// A sum of two factors with their shares.
@@ -45,22 +59,30 @@ pub(super) struct Scattered {
 
 const NOTHING: Term = (None, 0.0);
 
-impl Scatterer {
+impl<'m> Scatterer<'m> {
     /// What a material does where it was hit, seen along `view` (a unit vector to the eye), and the factor that all of its light is
-    /// multiplied by besides; `None` for materials that send light in one or two directions only.
-    pub(super) fn new(material: &Material, receiver: &Receiver, view: DVec3) -> Option<(Self, Option<Factor>)> {
-        let (tangent, bitangent) = receiver.normal.any_orthonormal_pair();
-        let (model, factor) = match material {
-            Material::Diffuse(reflectance) => (Model::Diffuse, Some(*reflectance)),
-            Material::Schlick { reflectance, roughness, isotropy } => {
-                let (reflectance, roughness, isotropy) = (*reflectance, *roughness, *isotropy);
-                let model = Schlick::new(roughness, isotropy)?;
-                (Model::Schlick { model, reflectance, roughness, isotropy }, None)
-            }
-            Material::Mirror(_) | Material::Dielectric(_) | Material::TwoSided(_) => return None,
-        };
+    /// multiplied by besides; `None` for materials that send light in one or two directions only, and for black ones. `frame` has the
+    /// surface's axes, where the material needs them.
+    pub(super) fn new(
+        material: &'m Material,
+        receiver: &Receiver,
+        frame: Option<Frame>,
+        view: DVec3,
+    ) -> Option<(Self, Option<Factor>)> {
         let Receiver { normal, geometric, .. } = *receiver;
-        Some((Self { normal, geometric, tangent, bitangent, view, model }, factor))
+        let (model, factor) = match (material, material.lobes()) {
+            (Material::Schlick { reflectance, roughness, isotropy }, _) => {
+                let model = Schlick::new(*roughness, *isotropy).ok()?;
+                (Model::Schlick { model, reflectance: *reflectance }, None)
+            }
+            (_, [Some((factor, Lobe::Lambert)), None]) => (Model::Diffuse, Some(factor)),
+            (_, [base, Some((specular, Lobe::Glossy(lobe)))]) => {
+                (Model::Layered { base: base.map(|(factor, _)| factor), lobe, specular }, None)
+            }
+            _ => return None,
+        };
+        let frame = frame.unwrap_or_else(|| Frame::new(normal, normal.any_orthonormal_pair().0));
+        Some((Self { frame, normal, geometric, view, local_view: frame.to_local(view), model }, factor))
     }
 
     /// BRDF times cosine for light from a direction (a unit vector to it), and the density per steradian with which [`sample`](Self::sample)
@@ -70,37 +92,47 @@ impl Scatterer {
         if !(cosine > 0.0 && direction.dot(self.geometric) > 0.0) {
             return None;
         }
-        match self.model {
-            Model::Diffuse => Some(([(None, cosine / PI), NOTHING], cosine / PI)),
-            Model::Schlick { model, reflectance, roughness, isotropy } => {
+        let light = || self.frame.to_local(direction);
+        let (terms, density) = match self.model {
+            Model::Diffuse => ([(None, cosine / PI), NOTHING], cosine / PI),
+            Model::Schlick { model, reflectance } => {
+                let [_, _, specular] = model.weights();
+                let (light, view) = (light(), self.local_view);
+                let value = cosine * model.evaluate(light, view);
                 let half = (direction + self.view).try_normalize()?;
-                let [t, u] = [self.normal, direction].map(|d| d.dot(half).clamp(0.0, 1.0));
-                let v = self.view.dot(self.normal).clamp(0.0, 1.0);
-                let w = (half - self.normal * half.dot(self.normal)).normalize_or(self.tangent).dot(self.tangent);
-                let value = cosine * model.geometric(t, v, cosine.min(1.0), w);
-                let fresnel = schlick_fresnel(u);
-                let [diffuse, glossy, _] = model.weights();
-                let lobe = if glossy > 0.0 { half_density(roughness, isotropy, t, w) / (4.0 * u) } else { 0.0 };
-                let density = diffuse * cosine / PI + if lobe.is_finite() { glossy * lobe } else { 0.0 };
-                let terms = [(Some(reflectance), value * (1.0 - fresnel)), (None, value * fresnel)];
-                (density > 0.0).then_some((terms, density))
+                let white = fresnel::schlick_factor(direction.dot(half).clamp(0.0, 1.0));
+                let terms = [(Some(reflectance), value * (1.0 - white)), (None, value * white)];
+                (terms, (1.0 - specular) * model.pdf(light, view))
             }
-        }
+            Model::Layered { base, lobe, specular } => {
+                let (light, view) = (light(), self.local_view);
+                let share = glossy_share(base);
+                let diffuse = base.map_or(NOTHING, |factor| (Some(factor), cosine / PI));
+                let density = share * lobe.pdf(light, view) + (1.0 - share) * cosine / PI;
+                ([(Some(specular), cosine * lobe.evaluate(light, view)), diffuse], density)
+            }
+        };
+        (density > 0.0 && density.is_finite()).then_some((terms, density))
     }
 
     /// A direction that light comes from, chosen by importance: `lobe` in [0, 1) says by which part of the model. `None` where none comes from.
     pub(super) fn sample(&self, lobe: f64, u: [f32; 2]) -> Option<Scattered> {
         let direction = match self.model {
             Model::Diffuse => self.cosine(u),
-            Model::Schlick { model, reflectance, roughness, isotropy } => {
-                let [diffuse, glossy, specular] = model.weights();
-                if lobe < glossy {
-                    let half = self.to_world(square_to_half(roughness, isotropy, u));
-                    half * (2.0 * half.dot(self.view)) - self.view
-                } else if lobe < glossy + diffuse || specular <= 0.0 {
-                    self.cosine(u)
-                } else {
+            Model::Schlick { model, reflectance } => {
+                let [_, _, specular] = model.weights();
+                if lobe < specular {
                     return Some(self.mirror(reflectance));
+                }
+                let rest = (lobe - specular) / (1.0 - specular);
+                self.frame.to_world(model.sample(self.local_view, three(u, rest))?.direction)
+            }
+            Model::Layered { base, lobe: glossy, .. } => {
+                let share = glossy_share(base);
+                if lobe < share {
+                    self.frame.to_world(glossy.sample(self.local_view, three(u, lobe / share))?.direction)
+                } else {
+                    self.cosine(u)
                 }
             }
         };
@@ -111,38 +143,22 @@ impl Scatterer {
     }
 
     fn cosine(&self, u: [f32; 2]) -> DVec3 {
-        self.to_world(square_to_cosine_hemisphere(u).as_dvec3())
+        self.frame.to_world(square_to_cosine_hemisphere(u).as_dvec3().to_array())
     }
 
     /// The ideal specular part of Schlick's model, which is chosen as often as its weight.
     fn mirror(&self, reflectance: Factor) -> Scattered {
         let cosine = self.view.dot(self.normal);
-        let fresnel = schlick_fresnel(cosine);
-        let terms = [(Some(reflectance), 1.0 - fresnel), (None, fresnel)];
+        let white = fresnel::schlick_factor(cosine);
+        let terms = [(Some(reflectance), 1.0 - white), (None, white)];
         Scattered { direction: self.normal * (2.0 * cosine) - self.view, terms, density: None }
     }
-
-    fn to_world(&self, local: DVec3) -> DVec3 {
-        self.tangent * local.x + self.bitangent * local.y + self.normal * local.z
-    }
 }
 
-/// A half vector around +z with the density [`half_density`]: t² = a / (r + (1 − r) a) as Schlick (1994) has it, and tan φ = tan ψ / p.
-fn square_to_half(roughness: f64, isotropy: f64, u: [f32; 2]) -> DVec3 {
-    let [a, b] = u.map(f64::from);
-    // 1 − a is never 0, so that no direction is at the horizon for certain.
-    let a = 1.0 - a;
-    let t2 = (a / (roughness + (1.0 - roughness) * a)).clamp(0.0, 1.0);
-    let (sin, cos) = (TAU * b).sin_cos();
-    let azimuth = glam::DVec2::new(isotropy * cos, sin).normalize_or(glam::DVec2::X);
-    let across = (1.0 - t2).sqrt();
-    DVec3::new(across * azimuth.x, across * azimuth.y, t2.sqrt())
+const fn glossy_share(base: Option<Factor>) -> f64 {
+    if base.is_some() { GLOSSY_SHARE } else { 1.0 }
 }
 
-/// t Z(t) A(w)² / π: the density of half vectors per steradian.
-fn half_density(roughness: f64, isotropy: f64, t: f64, w: f64) -> f64 {
-    let (t2, w2, p2) = (t * t, w * w, isotropy * isotropy);
-    let below = (1.0 - t2) + roughness * t2;
-    let azimuth2 = isotropy / (p2 - p2 * w2 + w2);
-    t * roughness / (below * below) * azimuth2 / PI
+fn three([a, b]: [f32; 2], c: f64) -> [f64; 3] {
+    [f64::from(a), f64::from(b), c]
 }

@@ -122,18 +122,18 @@ impl<'s> Walk<'s> {
             self.leaves_scene(state, direction, carrier);
             return None;
         };
-        let (material, emission) = self.scene.surfaces.get(hit.shape as usize)?;
+        let surface = self.scene.surfaces.get(hit.shape as usize)?;
         self.absorb(state, &hit, carrier);
-        if let (Some(emission), true) = (emission, hit.front) {
+        if let (Some(emission), true) = (surface.emission, hit.front) {
             let density = |c: &Chosen| self.scene.lights.density(c.position, &hit);
             let weight = self.weight_of_found(state.chosen.as_ref(), density);
-            carrier.gather(&[(None, 1.0)], *emission, weight);
+            carrier.gather(&[(None, 1.0)], emission, weight);
         }
         if self.scene.settings.max_depth.is_some_and(|most| state.segment >= most) {
             return None;
         }
         let next = State { segment: state.segment + 1, chosen: None, ..*state };
-        match material.side(hit.front)? {
+        match surface.material.side(hit.front)? {
             Material::Mirror(factors) => {
                 let cosine = -direction.dot(receiver(&hit).normal);
                 carrier.multiply(&mirror_factors(factors, cosine).map(|(factor, share)| (Some(factor), share)));
@@ -143,7 +143,14 @@ impl<'s> Walk<'s> {
                 let [_, lobe] = points.vertex(state.segment, Vertex::Survival);
                 dielectric_step(&hit, direction, dielectric, f64::from(lobe), next, carrier)
             }
-            material => self.scatter(material, &hit, direction, next, points, carrier),
+            material => {
+                let receiver = receiver(&hit);
+                let (scatterer, factor) = Scatterer::new(material, &receiver, surface.frame(&hit), -direction)?;
+                if factor.is_some() {
+                    carrier.multiply(&[(factor, 1.0)]);
+                }
+                self.scatter(&scatterer, &receiver, next, points, carrier)
+            }
         }
     }
 
@@ -168,7 +175,7 @@ impl<'s> Walk<'s> {
     /// The path's light after its way through the medium it is in.
     fn absorb(&self, state: &State, hit: &Hit, carrier: &mut impl Carrier) {
         let surface = state.interior.and_then(|shape| self.scene.surfaces.get(shape as usize));
-        let Some((Material::Dielectric(medium), _)) = surface else { return };
+        let Some(Material::Dielectric(medium)) = surface.map(|s| &s.material) else { return };
         let distance = f64::from((hit.position - state.ray.origin).length());
         match medium.absorbs_evenly() {
             None => {}
@@ -180,33 +187,33 @@ impl<'s> Walk<'s> {
     /// Light looked for, then a direction chosen, at a surface that scatters.
     fn scatter(
         &mut self,
-        material: &Material,
-        hit: &Hit,
-        direction: DVec3,
+        scatterer: &Scatterer<'_>,
+        receiver: &Receiver,
         next: State,
         points: Points,
         carrier: &mut impl Carrier,
     ) -> Option<State> {
-        let receiver = receiver(hit);
-        let (scatterer, factor) = Scatterer::new(material, &receiver, -direction)?;
-        if factor.is_some() {
-            carrier.multiply(&[(factor, 1.0)]);
-        }
         let vertex = |set| points.vertex(next.segment - 1, set);
         let choice = unit_48(vertex(Vertex::Light));
-        if let Some(towards) = self.scene.lights.towards(&receiver, choice, vertex(Vertex::OnLight)) {
-            self.look_for(&towards, &receiver, &scatterer, carrier);
+        if let Some(towards) = self.scene.lights.towards(receiver, choice, vertex(Vertex::OnLight)) {
+            self.look_for(&towards, receiver, scatterer, carrier);
         }
         let [_, lobe] = vertex(Vertex::Survival);
         let Scattered { direction, terms, density } = scatterer.sample(f64::from(lobe), vertex(Vertex::Direction))?;
         carrier.multiply(terms_of(&terms));
-        let Receiver { position, normal, .. } = receiver;
+        let Receiver { position, normal, .. } = *receiver;
         let chosen = density.map(|density| Chosen { position, normal, density });
-        Some(State { ray: hit.point().ray(single(direction)), chosen, ..next })
+        Some(State { ray: receiver.point.ray(single(direction)), chosen, ..next })
     }
 
     /// Gathers the light of a direction to a light, if nothing is in the way.
-    fn look_for(&mut self, light: &Towards, receiver: &Receiver, scatterer: &Scatterer, carrier: &mut impl Carrier) {
+    fn look_for(
+        &mut self,
+        light: &Towards,
+        receiver: &Receiver,
+        scatterer: &Scatterer<'_>,
+        carrier: &mut impl Carrier,
+    ) {
         let Some((terms, density)) = scatterer.evaluate(light.direction) else { return };
         let weight = match (light.density, self.scene.strategy) {
             (None, _) | (_, Strategy::Lights) => 1.0,
