@@ -12,6 +12,7 @@ pub mod image;
 pub mod light;
 pub mod luminaire;
 mod material;
+pub mod path;
 pub mod progress;
 pub mod radiosity;
 pub mod relight;

@@ -153,6 +153,16 @@ impl Dielectric {
             && self.absorption.as_ref().is_none_or(Index::is_constant)
     }
 
+    /// Whether light goes the same way at all wavelengths.
+    pub(crate) fn has_constant_index(&self) -> bool {
+        self.interior.is_constant() && self.exterior.is_constant()
+    }
+
+    /// Whether the interior absorbs the same at all wavelengths; `None` if it is clear.
+    pub(crate) fn absorbs_evenly(&self) -> Option<bool> {
+        self.absorption.as_ref().map(Index::is_constant)
+    }
+
     /// Interior index relative to exterior at a wavelength in nm.
     pub(crate) fn relative_index(&self, wavelength: f64) -> f64 {
         self.interior.at(wavelength) / self.exterior.at(wavelength)

@@ -15,6 +15,7 @@ use rayon::prelude::*;
 use crate::geometry::sampling::SobolSequence;
 use crate::geometry::{Filter, Hit};
 use crate::image::{ImageError, MAX_PIXELS, Picture, Raster, ScalarMap};
+use crate::path;
 use crate::scene::{self, Scene};
 use crate::spectral::{
     Colour, ComponentResolver, Components, FactorOrder, IntervalMemory, IntervalSettings, Intervals, Palette, Radiance,
@@ -39,6 +40,8 @@ pub enum Renderer {
     Whitted,
     /// The same, with all light between diffuse surfaces: [`crate::radiosity`].
     Radiosity,
+    /// All light, by paths at random: [`crate::path`].
+    Path,
 }
 
 impl core::fmt::Display for Renderer {
@@ -46,6 +49,7 @@ impl core::fmt::Display for Renderer {
         f.write_str(match self {
             Self::Whitted => "whitted",
             Self::Radiosity => "radiosity",
+            Self::Path => "path",
         })
     }
 }
@@ -129,6 +133,15 @@ impl Default for BetweenOptions {
     }
 }
 
+/// The variance of a pixel's mean over all its samples: the square of its standard error.
+#[derive(Clone, Debug)]
+pub struct Variance {
+    /// That of linear Rec. 709 components.
+    pub rgb: Picture,
+    /// That of the luminance Y.
+    pub luminance: ScalarMap,
+}
+
 /// A rendered picture, with what is known of each pixel.
 #[derive(Clone, Debug)]
 pub struct Rendering {
@@ -140,7 +153,11 @@ pub struct Rendering {
     pub delta_e: Option<ScalarMap>,
     /// The part of the bound that is an estimate of deferred paths' errors.
     pub path_delta_e: Option<ScalarMap>,
-    /// Rays traced from the eye, reflected and refracted ones included, shadow rays not.
+    /// The variance of each pixel, of renderers that sample at random; `None` of a single sample.
+    pub variance: Option<Variance>,
+    /// Camera rays per pixel.
+    pub samples: u32,
+    /// Rays traced from the eye, reflected and refracted ones included; shadow rays are counted by the path tracer alone.
     pub rays: u64,
     /// Time for all pixels, without reading the scene and preparing its spectra.
     pub seconds: f64,
@@ -195,6 +212,10 @@ pub fn render(scene: &Scene, options: &Options, progress: &(dyn Fn(usize) + Sync
 pub fn render_watched(scene: &Scene, options: &Options, watch: &dyn Watch) -> Result<Rendering, RenderError> {
     let size = options.size.unwrap_or([scene.film.width, scene.film.height]);
     check_area(size)?;
+    if options.renderer == Renderer::Path {
+        watch.stage(LAST_STAGE, u64::from(size[0]) * u64::from(size[1]));
+        return path::render(scene, options, path::Run::default(), &|pixels| watch.add(pixels as u64));
+    }
     let start = Instant::now();
     let mut palette = Palette::default();
     let whitted = Whitted::new(scene, size, &mut palette)?;
@@ -208,18 +229,15 @@ pub fn render_watched(scene: &Scene, options: &Options, watch: &dyn Watch) -> Re
         indirect: None,
         watch,
     };
-    let size = frame.size;
-    let (pixels, bounded, between) = match options.renderer {
-        Renderer::Whitted => {
-            let (pixels, bounded) = ambient(scene, options, &frame, &palette, start)?;
-            (pixels, bounded, None)
-        }
-        Renderer::Radiosity => {
-            let (pixels, bounded, report) = between::render(scene, options, frame, palette, watch)?;
-            (pixels, bounded, Some(report))
-        }
+    let (size, samples) = (frame.size, frame.samples);
+    let (pixels, bounded, between) = if options.renderer == Renderer::Radiosity {
+        let (pixels, bounded, report) = between::render(scene, options, frame, palette, watch)?;
+        (pixels, bounded, Some(report))
+    } else {
+        let (pixels, bounded) = ambient(scene, options, &frame, &palette, start)?;
+        (pixels, bounded, None)
     };
-    let rendering = pixels.into_rendering(size, bounded).map_err(|e| RenderError::new(e.to_string()))?;
+    let rendering = pixels.into_rendering(size, samples, bounded).map_err(|e| RenderError::new(e.to_string()))?;
     Ok(Rendering { between, ..rendering })
 }
 
@@ -261,7 +279,7 @@ fn ambient(
 }
 
 /// Components filtered for the light with the largest luminous flux.
-fn prefiltered(scene: &Scene, palette: &Palette) -> Result<Components, RenderError> {
+pub(crate) fn prefiltered(scene: &Scene, palette: &Palette) -> Result<Components, RenderError> {
     let Some(spectrum) = scene.dominant_light() else {
         return Err(RenderError::new("rgb-prefiltered needs a light, and the scene has none"));
     };
@@ -275,7 +293,7 @@ fn prefiltered(scene: &Scene, palette: &Palette) -> Result<Components, RenderErr
 }
 
 /// Refuses pictures that could not be kept, before time is spent on them.
-fn check_area([width, height]: [u32; 2]) -> Result<(), RenderError> {
+pub(crate) fn check_area([width, height]: [u32; 2]) -> Result<(), RenderError> {
     let pixels = u64::from(width) * u64::from(height);
     if (1..=MAX_PIXELS as u64).contains(&pixels) {
         return Ok(());
@@ -283,7 +301,7 @@ fn check_area([width, height]: [u32; 2]) -> Result<(), RenderError> {
     Err(RenderError::new(format!("a picture of {width} × {height} is not from 1 to {MAX_PIXELS} pixels")))
 }
 
-fn filter(filter: scene::Filter) -> Result<Filter, RenderError> {
+pub(crate) fn filter(filter: scene::Filter) -> Result<Filter, RenderError> {
     match filter {
         scene::Filter::Box => Filter::constant(0.5),
         scene::Filter::Tent { radius } => Filter::tent(radius),
@@ -414,7 +432,7 @@ impl Frame<'_> {
 }
 
 impl Pixels {
-    fn into_rendering(self, [width, height]: [usize; 2], bounded: bool) -> Result<Rendering, ImageError> {
+    fn into_rendering(self, [width, height]: [usize; 2], samples: u32, bounded: bool) -> Result<Rendering, ImageError> {
         let raster = Raster::from_pixels(width, height, self.colours)?;
         Ok(Rendering {
             picture: raster.map(|c| rgb::xyz_to_linear_rgb(c.xyz).map(single)),
@@ -422,6 +440,8 @@ impl Pixels {
             intervals: raster.map(|c| c.intervals as f32),
             delta_e: bounded.then(|| raster.map(|c| single_above(c.delta_e))),
             path_delta_e: bounded.then(|| raster.map(|c| single_above(c.path_delta_e))),
+            variance: None,
+            samples,
             rays: self.rays,
             seconds: self.seconds,
             preparation_seconds: self.preparation_seconds,
@@ -432,7 +452,7 @@ impl Pixels {
 
 /// A picture's number: finite, since files keep no others; NaN, of infinite light, is black, under a bound that says so.
 #[allow(clippy::cast_possible_truncation, reason = "pictures are kept in f32")]
-fn single(value: f64) -> f32 {
+pub(crate) fn single(value: f64) -> f32 {
     let limit = f64::from(f32::MAX);
     if value.is_nan() { 0.0 } else { value.clamp(-limit, limit) as f32 }
 }

@@ -4,7 +4,8 @@ use std::path::{Path, PathBuf};
 use std::sync::RwLock;
 
 use clap::{Args, ValueEnum};
-use renderers::image::{FalseColour, ScalarMap, Scale, write_exr, write_png};
+use renderers::image::{FalseColour, Picture, ScalarMap, Scale, write_exr, write_png};
+use renderers::path;
 use renderers::progress::Progress;
 use renderers::render::{self, BetweenOptions, BetweenReport, Options, Rendering, Spectra, Watch};
 use renderers::report::{ChartLabels, Histogram, Table};
@@ -12,12 +13,16 @@ use renderers::scene::{self, Scene, builtin};
 use renderers::spectral::IntervalSettings;
 use serde_json::json;
 use spectral_core::adaptive::Mode;
+use spectral_core::colour::rgb::linear_rgb_to_xyz;
 
 use super::{Answer, Failure};
 
 /// The most pixels along a side, and rays in a pixel, that are taken for meant.
 const MAX_SIDE: u32 = 16_384;
 const MAX_SAMPLES: u32 = 65_536;
+
+/// Bins of spectra that paths carry, by default: 4.9 nm each.
+const PATH_BINS: usize = 81;
 
 /// What `spectral render` takes.
 #[derive(Debug, Args)]
@@ -28,10 +33,10 @@ pub(super) struct Arguments {
     /// How light is gathered.
     #[arg(long, value_enum, default_value_t = Renderer::Whitted)]
     renderer: Renderer,
-    /// How spectra are represented: interval, uniform:N (N equal bins), or three components: rgb (their naive product),
-    /// rgb-prefiltered (for the dominant light), bilinear, smits (made into spectra).
-    #[arg(long, default_value = "interval", value_parser = parse_spectra)]
-    spectra: Representation,
+    /// How spectra are represented: interval (the default; not for path), uniform:N (N equal bins; path's default is uniform:81),
+    /// or three components: rgb (their naive product), rgb-prefiltered (for the dominant light), bilinear, smits (made into spectra).
+    #[arg(long, value_parser = parse_spectra)]
+    spectra: Option<Representation>,
     /// How errors of intervals are taken.
     #[arg(long, value_enum, default_value_t = Bound::Certified)]
     bound: Bound,
@@ -56,6 +61,9 @@ pub(super) struct Arguments {
     /// Gather light between surfaces for every camera ray instead of interpolating it.
     #[arg(long)]
     exact: bool,
+    /// Path tracing goes on from this file if it is there, up to --spp samples altogether, and keeps its state in it.
+    #[arg(long, value_name = "FILE")]
+    resume: Option<PathBuf>,
     /// Folder for the pictures; made if it isn't there.
     #[arg(long, value_name = "DIR", default_value = "out")]
     out: PathBuf,
@@ -66,8 +74,12 @@ pub(super) struct Arguments {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum Renderer {
+    /// Direct light, mirrors and glass, with a constant ambient term.
     Whitted,
+    /// The same, with all light between diffuse surfaces.
     Radiosity,
+    /// All light, without bias, by paths at random: the ground truth.
+    Path,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -117,8 +129,18 @@ impl Arguments {
         let options = self.options()?;
         let scene = self.load()?;
         make_folder(&self.out)?;
-        let rendering = render::render_watched(&scene, &options, &Bars::default())
-            .map_err(|e| Failure(format!("{}: {e}", self.scene)))?;
+        let bars = Bars::default();
+        let rendering = match &self.resume {
+            Some(file) if self.renderer == Renderer::Path => {
+                let [width, height] = options.size.unwrap_or([scene.film.width, scene.film.height]);
+                bars.stage("render", u64::from(width) * u64::from(height));
+                let run = path::Run { state: Some(file), ..path::Run::default() };
+                path::render(&scene, &options, run, &|pixels| bars.add(pixels as u64))
+            }
+            _ => render::render_watched(&scene, &options, &bars),
+        }
+        .map_err(|e| Failure(format!("{}: {e}", self.scene)))?;
+        drop(bars);
         let report = Report::new(&scene, &options, &rendering, self.threshold);
         let files = self.write(&report, &rendering)?;
         Ok(report.answer(&files))
@@ -131,12 +153,17 @@ impl Arguments {
         if let Some(spp) = self.spp.filter(|n| !(1..=MAX_SAMPLES).contains(n)) {
             return Err(Failure(format!("--spp must be from 1 to {MAX_SAMPLES}, not {spp}")));
         }
+        if self.resume.is_some() && self.renderer != Renderer::Path {
+            return Err(Failure(
+                "--resume is for --renderer path: other renderers have no samples to add to".to_owned(),
+            ));
+        }
         let mode = match self.bound {
             Bound::Paper => Mode::Paper,
             Bound::Corrected => Mode::Corrected,
             Bound::Certified => Mode::Certified,
         };
-        let spectra = match self.spectra {
+        let spectra = match self.representation() {
             Representation::Interval => Spectra::Interval(IntervalSettings { mode, threshold: self.threshold }),
             Representation::Uniform(count) => Spectra::Uniform(count),
             Representation::Rgb => Spectra::Rgb,
@@ -147,9 +174,18 @@ impl Arguments {
         let renderer = match self.renderer {
             Renderer::Whitted => render::Renderer::Whitted,
             Renderer::Radiosity => render::Renderer::Radiosity,
+            Renderer::Path => render::Renderer::Path,
         };
         let between = BetweenOptions { accuracy: self.accuracy, exact: self.exact };
         Ok(Options { renderer, spectra, size: self.size, samples: self.spp, seed: self.seed, between })
+    }
+
+    /// The representation asked for, or the renderer's default.
+    fn representation(&self) -> Representation {
+        self.spectra.unwrap_or(match self.renderer {
+            Renderer::Whitted | Renderer::Radiosity => Representation::Interval,
+            Renderer::Path => Representation::Uniform(PATH_BINS),
+        })
     }
 
     /// A built-in scene if there is one of this name, else a file.
@@ -162,12 +198,16 @@ impl Arguments {
 
     /// Writes all pictures and returns their names.
     fn write(&self, report: &Report, rendering: &Rendering) -> Result<Vec<PathBuf>, Failure> {
-        let bound = match (self.spectra, self.bound) {
+        let bound = match (self.representation(), self.bound) {
             (Representation::Interval, Bound::Paper) => "-paper",
             (Representation::Interval, Bound::Corrected) => "-corrected",
             _ => "",
         };
-        let stem = format!("{}-{}{bound}", report.scene, report.spectra.replace(':', ""));
+        let renderer = match self.renderer {
+            Renderer::Whitted => "",
+            Renderer::Path => "-path",
+        };
+        let stem = format!("{}{renderer}-{}{bound}", report.scene, report.spectra.replace(':', ""));
         let mut files = Vec::new();
         let mut file = |suffix: &str| {
             files.push(self.out.join(format!("{stem}{suffix}")));
@@ -178,6 +218,9 @@ impl Arguments {
         channels.extend(rendering.delta_e.as_ref().map(|map| ("delta_e.bound", map)));
         channels.extend(rendering.path_delta_e.as_ref().map(|map| ("delta_e.path", map)));
         write_exr(&file(".exr"), &rendering.picture, &channels, &[])?;
+        if let Some(variance) = &rendering.variance {
+            write_exr(&file("-variance.exr"), &variance.rgb, &[("Y", &variance.luminance)], &[])?;
+        }
         if let Some(bound) = &rendering.delta_e {
             FalseColour::counts("Intervals", &rendering.intervals)
                 .write_png(&file("-intervals.png"), &rendering.intervals)?;
@@ -227,6 +270,9 @@ struct Report {
     size: [usize; 2],
     seconds: [f64; 2],
     rays: u64,
+    samples: u32,
+    /// Mean over pixels of the luminance and of its standard error.
+    noise: Option<[f64; 2]>,
     intervals: Histogram,
     interval_mean: f64,
     interval_max: f64,
@@ -261,6 +307,8 @@ impl Report {
             size: [rendering.picture.width(), rendering.picture.height()],
             seconds: [rendering.seconds, rendering.preparation_seconds],
             rays: rendering.rays,
+            samples: rendering.samples,
+            noise: rendering.variance.as_ref().map(|v| noise(&rendering.picture, v)),
             intervals: Histogram::of_counts(counts),
             interval_mean,
             interval_max,
@@ -282,7 +330,14 @@ impl Report {
         table.row(["spectra".to_owned(), self.spectra.clone()]);
         table.row(["size".to_owned(), format!("{width} × {height}")]);
         table.row(["seconds (preparation)".to_owned(), format!("{:.3} ({:.3})", self.seconds[0], self.seconds[1])]);
-        table.row(["rays, shadow rays not counted".to_owned(), self.rays.to_string()]);
+        if let Some([luminance, error]) = self.noise {
+            table.row(["samples per pixel".to_owned(), self.samples.to_string()]);
+            table.row(["rays, with shadow rays".to_owned(), self.rays.to_string()]);
+            table.row(["luminance, mean".to_owned(), format!("{luminance:.5}")]);
+            table.row(["standard error of a pixel's, mean".to_owned(), format!("{error:.5}")]);
+        } else {
+            table.row(["rays, shadow rays not counted".to_owned(), self.rays.to_string()]);
+        }
         if let Some(between) = &self.between {
             let radiosity = &between.radiosity;
             let [build, solve, gather] = between.seconds;
@@ -347,6 +402,9 @@ impl Report {
             "height": height,
             "seconds": self.seconds[0],
             "preparation_seconds": self.seconds[1],
+            "samples": self.samples,
+            "luminance_mean": self.noise.map(|[luminance, _]| luminance),
+            "luminance_standard_error_mean": self.noise.map(|[_, error]| error),
             "rays": self.rays,
             "intervals": {
                 "mean": self.interval_mean,
@@ -360,6 +418,15 @@ impl Report {
             "files": files,
         })
     }
+}
+
+/// Mean over pixels of the luminance and of its standard error.
+fn noise(picture: &Picture, variance: &render::Variance) -> [f64; 2] {
+    #[allow(clippy::cast_precision_loss, reason = "a count of pixels")]
+    let count = picture.pixels().len() as f64;
+    let luminance = picture.pixels().iter().map(|p| linear_rgb_to_xyz(p.map(f64::from))[1]).sum::<f64>();
+    let error = variance.luminance.pixels().iter().map(|v| f64::from(*v).sqrt()).sum::<f64>();
+    [luminance / count, error / count]
 }
 
 fn mean_and_max(map: &ScalarMap) -> [f64; 2] {

@@ -8,7 +8,7 @@ use spectral_core::{Observer, tristimulus};
 use super::{Colour, Monomial, Monomials, Palette, Radiance, Resolver, Role, Tabulated, Tracer, Y_INTEGRAL};
 
 /// The wavelength in nm at which refraction is taken: the helium d line, where glass catalogues state the index.
-const MEAN_WAVELENGTH: f64 = 587.5618;
+pub(crate) const MEAN_WAVELENGTH: f64 = 587.5618;
 
 type Rgb = [f64; 3];
 
@@ -68,6 +68,11 @@ impl Components {
     /// The space of the components.
     pub(crate) const fn space(&self) -> &RgbSpace {
         &self.space
+    }
+
+    /// What a leaf does as a factor where components aren't multiplied one by one: a matrix.
+    pub(crate) fn matrix(&self, leaf: u32) -> Option<[Rgb; 3]> {
+        self.reflections.as_ref().and_then(|r| r.get(leaf as usize)).map(Reflection::matrix)
     }
 
     /// Whether components are multiplied one by one.

@@ -12,6 +12,7 @@ mod palette;
 mod radiance;
 mod uniform;
 
+pub(crate) use components::MEAN_WAVELENGTH;
 pub use components::{ComponentResolver, Components};
 pub use gathered::{RowColour, WithGathered};
 pub use interval::{IntervalMemory, IntervalSettings, Intervals, SharedIntervals};
@@ -61,6 +62,6 @@ pub trait Resolver {
 }
 
 /// Tristimulus values ∫Lā relative to [`Y_INTEGRAL`].
-fn normalised(tristimulus: [f64; 3]) -> [f64; 3] {
+pub(crate) fn normalised(tristimulus: [f64; 3]) -> [f64; 3] {
     tristimulus.map(|v| v / Y_INTEGRAL)
 }

@@ -86,7 +86,7 @@ fn settings(integrator: Integrator) -> Result<Settings, RenderError> {
     }
 }
 
-fn camera(scene: &Scene, [width, height]: [u32; 2]) -> Result<Camera, RenderError> {
+pub(crate) fn camera(scene: &Scene, [width, height]: [u32; 2]) -> Result<Camera, RenderError> {
     let axis = match scene.camera.fov_axis {
         FovAxis::X => geometry::FovAxis::X,
         FovAxis::Y => geometry::FovAxis::Y,

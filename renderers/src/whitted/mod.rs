@@ -18,6 +18,8 @@
 mod build;
 mod glossy;
 
+pub(crate) use build::camera;
+
 use glam::DVec3;
 use spectral_core::brdf::Schlick;
 use spectral_core::fresnel;
@@ -588,7 +590,7 @@ fn schlick_terms(model: &Schlick<f64>, receiver: &Receiver, view: DVec3, tangent
 }
 
 /// The surface element that was hit, on the side that was seen.
-fn receiver(hit: &Hit) -> Receiver {
+pub(crate) fn receiver(hit: &Hit) -> Receiver {
     let side = if hit.front { 1.0 } else { -1.0 };
     Receiver {
         point: hit.point(),
@@ -599,13 +601,13 @@ fn receiver(hit: &Hit) -> Receiver {
     }
 }
 
-fn mirror_ray(hit: &Hit, direction: DVec3) -> Ray {
+pub(crate) fn mirror_ray(hit: &Hit, direction: DVec3) -> Ray {
     let normal = receiver(hit).normal;
     hit.point().ray(single(direction - normal * (2.0 * direction.dot(normal))))
 }
 
 /// The share of light that a boundary reflects at a wavelength, and the direction in which the rest goes on.
-fn boundary(dielectric: &Dielectric, hit: &Hit, direction: DVec3, wavelength: f64) -> (f64, Option<DVec3>) {
+pub(crate) fn boundary(dielectric: &Dielectric, hit: &Hit, direction: DVec3, wavelength: f64) -> (f64, Option<DVec3>) {
     let normal = receiver(hit).normal;
     let relative = dielectric.relative_index(wavelength);
     let eta = if hit.front { relative } else { 1.0 / relative };
