@@ -25,6 +25,10 @@ pub(super) trait Lobe<R: Real> {
     fn density(&self, azimuth: [R; 2], complement: R) -> R;
     /// f cos θ / pdf for a slope drawn by P alone; called for lights above the horizon.
     fn weight(&self, side: &Side<R>, view_z: R, azimuth: [R; 2]) -> R;
+    /// Whether weights have a kink where both cosines are equal.
+    fn has_kink(&self) -> bool {
+        false
+    }
     /// A coordinate in which F is smooth, of finite range: x for y.
     fn chart(&self, y: R) -> R;
     /// y and dF/dx for a coordinate x.

@@ -26,6 +26,12 @@ fn gauss<R: Real>(a: R, b: R, mut f: impl FnMut(R) -> R) -> R {
     sum * half
 }
 
+/// The same with points graded towards `a`: near the horizon, the weights there change within the distance from 0.
+fn graded<R: Real>(a: R, b: R, mut f: impl FnMut(R) -> R) -> R {
+    let length = b - a;
+    gauss(R::ZERO, R::ONE, |t| R::TWO * t * f(a + length * t * t)) * length
+}
+
 /// ∫∫ (w(s) + w(−s))/2 dF dψ/π over half a turn, w = 0 below the horizon, in the lobe's smooth coordinate.
 ///
 /// The azimuth is counted from where it is perpendicular to the view and graded towards it: near the horizon the weights
@@ -47,7 +53,7 @@ pub(super) fn albedo<R: Real, L: Lobe<R>>(lobe: &L, view: [R; 3]) -> R {
     if a == b { quarter(R::ONE) } else { (quarter(R::ONE) + quarter(-R::ONE)) * R::HALF }
 }
 
-/// ∫ (w(s) + w(−s))/2 dF along an azimuth, in two pieces: both slopes reflect above the horizon, then one.
+/// ∫ (w(s) + w(−s))/2 dF along an azimuth, in pieces: both slopes reflect above the horizon, then one.
 fn over_slopes<R: Real, L: Lobe<R>>(lobe: &L, axis: &Axis<R>) -> R {
     let horizon = axis.horizon();
     let split = lobe.chart(R::ONE / horizon / axis.spread);
@@ -57,5 +63,13 @@ fn over_slopes<R: Real, L: Lobe<R>>(lobe: &L, axis: &Axis<R>) -> R {
         let epsilon = y * axis.spread;
         density * (axis.weight(lobe, epsilon) + axis.weight(lobe, -epsilon))
     };
-    (gauss(R::ZERO, split, at) + gauss(split, end, at)) * R::HALF
+    let pieces = if lobe.has_kink() {
+        // At ε = c/v_z, which is below the horizon's.
+        let kink = lobe.chart(axis.along.abs() / axis.view_z / axis.spread);
+        let (low, high) = (split.min(kink), split.max(kink));
+        gauss(R::ZERO, low, at) + gauss(low, high, at) + graded(high, end, at)
+    } else {
+        gauss(R::ZERO, split, at) + graded(split, end, at)
+    };
+    pieces * R::HALF
 }
