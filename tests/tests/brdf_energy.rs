@@ -1,5 +1,9 @@
 //! The albedo of reflectance models: conserved energy, quadrature against sampling and against integration over lights.
-#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a test stops at what should not be, and prints what it measured")]
+#![allow(
+    clippy::unwrap_used,
+    clippy::print_stdout,
+    reason = "a test stops at what should not be, and prints what it measured"
+)]
 
 mod brdf_support;
 
@@ -40,10 +44,8 @@ fn integrated(model: &impl Brdf<f64>, stretch: [f64; 2], view: [f64; 3]) -> f64 
     };
     let graded = |t: f64, from: f64, sign: f64| 3.0 * t * t * around(from + sign * t * t * t * FRAC_PI_2);
     let quarters = [(0.0, 1.0), (0.0, -1.0), (PI, 1.0), (PI, -1.0)];
-    let sum: f64 = quarters
-        .iter()
-        .map(|(turn, sign)| integrate(&|t: f64| graded(t, across + turn, *sign), 0.0, 1.0, 1e-8))
-        .sum();
+    let sum: f64 =
+        quarters.iter().map(|(turn, sign)| integrate(&|t: f64| graded(t, across + turn, *sign), 0.0, 1.0, 1e-8)).sum();
     sum * FRAC_PI_2 * stretch[0] * stretch[1]
 }
 
@@ -76,7 +78,8 @@ fn of_the_others_only_neumanns_conserves_it() {
     for alpha in [0.01, 0.1, 0.2, 0.5] {
         for variant in Variant::ALL {
             let model = ward(variant, alpha, alpha);
-            let row = [0.0, 45.0, 80.0, 85.0, 89.0, 89.9].map(|d| model.albedo_by_quadrature(vector(f64::to_radians(d), 0.0)));
+            let row = [0.0, 45.0, 80.0, 85.0, 89.0, 89.9]
+                .map(|d| model.albedo_by_quadrature(vector(f64::to_radians(d), 0.0)));
             println!("{variant:>12} {alpha:4} {}", row.map(|a| format!("{a:8.4}")).join(" "));
             let limit = angles().into_iter().map(|t| model.albedo_by_quadrature(vector(t, 0.0))).fold(0.0, f64::max);
             match variant {
@@ -109,18 +112,25 @@ fn quadrature_is_the_integral_over_lights() {
             }
         }
     }
-    println!("relative error of the albedo by quadrature, {:?}: {}", Variant::ALL, worst.map(|e| format!("{e:.1e}")).join(" "));
+    println!(
+        "relative error of the albedo by quadrature, {:?}: {}",
+        Variant::ALL,
+        worst.map(|e| format!("{e:.1e}")).join(" ")
+    );
 }
 
 /// The fit against quadrature, on a grid that isn't the fit's.
 #[test]
 fn the_fit_is_within_its_bound() {
     let mut worst = 0.0_f64;
-    let alphas = (0..=200_u32).map(|i| 1e-6_f64.powf(1.0 - f64::from(i) / 200.0)).chain((1..100).map(|i| f64::from(i) / 100.0));
+    let alphas =
+        (0..=200_u32).map(|i| 1e-6_f64.powf(1.0 - f64::from(i) / 200.0)).chain((1..100).map(|i| f64::from(i) / 100.0));
     for alpha in alphas {
         let model = ward(Variant::Balanced, alpha, alpha);
-        let single = Ward::new(Variant::Balanced, (alpha as f32).clamp(1e-6, 1.0), (alpha as f32).clamp(1e-6, 1.0)).unwrap();
-        let cosines = (1..=400_u32).map(|i| f64::from(i) / 400.0).chain((1..60).map(|i| 10.0_f64.powf(-f64::from(i) / 6.0)));
+        let single =
+            Ward::new(Variant::Balanced, (alpha as f32).clamp(1e-6, 1.0), (alpha as f32).clamp(1e-6, 1.0)).unwrap();
+        let cosines =
+            (1..=400_u32).map(|i| f64::from(i) / 400.0).chain((1..60).map(|i| 10.0_f64.powf(-f64::from(i) / 6.0)));
         for z in cosines {
             let view = [((1.0 - z) * (1.0 + z)).sqrt(), 0.0, z];
             let truth = model.albedo_by_quadrature(view);
@@ -155,7 +165,10 @@ fn sampling_finds_the_albedo() {
         assert!(by_weight <= allowed, "{name} {view:?}: {} {albedo} {allowed}", sums[0]);
         // A lobe that is large enough to be met by chance.
         if sums[3] < 50.0 * sums[2] * sums[2] {
-            assert!((sums[2] - albedo).abs() <= 4.5 * error(sums[2], sums[3]) + numerical, "{name} {view:?}: {sums:?} {albedo}");
+            assert!(
+                (sums[2] - albedo).abs() <= 4.5 * error(sums[2], sums[3]) + numerical,
+                "{name} {view:?}: {sums:?} {albedo}"
+            );
         }
     };
     for degrees in [0.0, 40.0, 75.0, 88.0, 89.9] {

@@ -1,6 +1,10 @@
 //! Reflectance models of the Ward family as formulae: the vector form, the trigonometric form, symmetry, the values that the
 //! thesis derives from them.
-#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a test stops at what should not be, and prints what it measured")]
+#![allow(
+    clippy::unwrap_used,
+    clippy::print_stdout,
+    reason = "a test stops at what should not be, and prints what it measured"
+)]
 
 mod brdf_support;
 
@@ -130,8 +134,12 @@ fn both_forms_are_the_same_function() {
         assert!(error <= 1e-12, "{:?} {light:?} {view:?}: {error:e}, exponent {exponent}", case.model);
     }
     println!("largest relative errors (anywhere, one grazing, both, mirror, near it, both grazing and mirror)");
-    println!("trigonometric {}\nvector {}; exponent below 50 for {relevant} of {total},
- below {LIMIT} over the ratio of roughnesses for {within}", row(by_angle), row(by_vector));
+    println!(
+        "trigonometric {}\nvector {}; exponent below 50 for {relevant} of {total},
+ below {LIMIT} over the ratio of roughnesses for {within}",
+        row(by_angle),
+        row(by_vector)
+    );
     assert!(2 * relevant >= total && total >= PAIRS / 10 * 9);
     assert!(by_angle.into_iter().chain(by_vector).all(|e| e <= 1e-12));
 }
@@ -156,7 +164,13 @@ fn forms_agree_directly_as_far_as_vectors_are_exact() {
         let rounding = formula + slope * (2.0 * exponent.sqrt() + slope);
         let angle = case.model.trigonometric(case.light, case.view);
         let error = relative(case.model.evaluate(light, view), angle);
-        assert!(error <= rounding + 1e-15 || rounding > 0.01, "{:?} {:?} {:?}: {error:e}", case.model, case.light, case.view);
+        assert!(
+            error <= rounding + 1e-15 || rounding > 0.01,
+            "{:?} {:?} {:?}: {error:e}",
+            case.model,
+            case.light,
+            case.view
+        );
         if rounding <= 1e-12 {
             tight += 1;
             worst = worst.max(error);
@@ -256,7 +270,11 @@ fn single_precision_is_close_to_double() {
             let area = core::f64::consts::PI * f64::from(alpha) * f64::from(beta);
             let coarse = if exponent < 200.0 { 0.75e-45 * (1.0 + area) * exponent.exp() * truth } else { 0.0 };
             let value = f64::from(single.evaluate(light, view));
-            assert!(value <= 1.001 * truth + coarse, "{:?} {light:?} {view:?}: {value:e} {truth:e} {exponent}", case.model);
+            assert!(
+                value <= 1.001 * truth + coarse + 1.5e-45,
+                "{:?} {light:?} {view:?}: {value:e} {truth:e} {exponent}",
+                case.model
+            );
             continue;
         }
         let error = f64::from(single.evaluate(light, view)) / truth - 1.0;

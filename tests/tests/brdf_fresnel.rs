@@ -1,5 +1,9 @@
 //! Fresnel's formulae and their approximations, at their limits; the models' spectral terms as maps of interval spectra.
-#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a test stops at what should not be, and prints what it measured")]
+#![allow(
+    clippy::unwrap_used,
+    clippy::print_stdout,
+    reason = "a test stops at what should not be, and prints what it measured"
+)]
 
 use spectral_core::Real;
 use spectral_core::brdf::{Brdf, Variant, Ward, direction};
@@ -41,7 +45,12 @@ fn limits<R: Real>(tolerance: R) {
     assert!(close(ward_factor(R::HALF), r(f64::exp(-2.925) - 0.002_879_899_16)));
     // Cosines out of their range are limited to it.
     for bad in [r(-1.0), r(2.0), R::INFINITY, R::INFINITY - R::INFINITY] {
-        for value in [schlick(r(0.1), bad), ward(r(0.1), bad), conductor(bad, r(0.2), r(3.0)), dielectric(bad, r(1.5)).unwrap().0] {
+        for value in [
+            schlick(r(0.1), bad),
+            ward(r(0.1), bad),
+            conductor(bad, r(0.2), r(3.0)),
+            dielectric(bad, r(1.5)).unwrap().0,
+        ] {
             assert!(value >= R::ZERO && value <= R::ONE, "{bad}: {value}");
         }
     }
@@ -59,7 +68,10 @@ const R64: f64 = 2e-12;
 #[test]
 fn approximations_are_near_the_exact_reflectance() {
     let worst = |f: &dyn Fn(f64) -> f64| {
-        (0..=1000_u32).map(|i| f64::from(i) / 1000.0).map(|c| (f(c) - dielectric(c, 1.5).unwrap().0).abs()).fold(0.0, f64::max)
+        (0..=1000_u32)
+            .map(|i| f64::from(i) / 1000.0)
+            .map(|c| (f(c) - dielectric(c, 1.5).unwrap().0).abs())
+            .fold(0.0, f64::max)
     };
     let (by_schlick, by_ward) = (worst(&|c| schlick(0.04, c)), worst(&|c| ward(0.04, c)));
     println!("largest error for an index of 1.5: Schlick {by_schlick:.4}, Ward {by_ward:.4}");
@@ -124,7 +136,8 @@ mod spectral {
                     let target = Target { mode: Mode::Certified, threshold, white };
                     let mut stack = [Interval::zero(); 3];
                     let mut pieces = [Piece::default(); 256];
-                    let found = evaluate(&program, &domain, &target, &mut leaves.as_slice(), &mut stack, &mut pieces).unwrap();
+                    let found =
+                        evaluate(&program, &domain, &target, &mut leaves.as_slice(), &mut stack, &mut pieces).unwrap();
                     let truth = dense.integrate(&ops);
                     let error = least_delta_e(found.xyz.into(), &truth, white.into());
                     pieces_used.push(found.intervals);

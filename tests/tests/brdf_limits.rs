@@ -1,5 +1,9 @@
 //! Reflectance models where numbers end: at the horizon, for very smooth surfaces, for input that isn't a direction.
-#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a test stops at what should not be, and prints what it measured")]
+#![allow(
+    clippy::unwrap_used,
+    clippy::print_stdout,
+    reason = "a test stops at what should not be, and prints what it measured"
+)]
 
 use spectral_core::Real;
 use spectral_core::brdf::{Brdf, BrdfError, Glossy, Lambert, Schlick, Variant, Ward, direction};
@@ -7,7 +11,9 @@ use spectral_core::brdf::{Brdf, BrdfError, Glossy, Lambert, Schlick, Variant, Wa
 fn models<R: Real>() -> Vec<(String, Box<dyn Brdf<R>>)> {
     let r = R::from_f64;
     let mut models: Vec<(String, Box<dyn Brdf<R>>)> = vec![("lambert".into(), Box::new(Lambert))];
-    for (alpha, beta) in [(1e-6, 1e-6), (1e-4, 1e-4), (1e-4, 1.0), (0.1, 0.1), (1.0, 0.2), (100.0, 100.0), (100.0, 1e-6)] {
+    for (alpha, beta) in
+        [(1e-6, 1e-6), (1e-4, 1e-4), (1e-4, 1.0), (0.1, 0.1), (1.0, 0.2), (100.0, 100.0), (100.0, 1e-6)]
+    {
         for variant in Variant::ALL {
             let model = Ward::new(variant, r(alpha), r(beta)).unwrap();
             models.push((format!("{model:?}"), Box::new(model)));
@@ -28,7 +34,8 @@ fn models<R: Real>() -> Vec<(String, Box<dyn Brdf<R>>)> {
 fn directions<R: Real>() -> Vec<[R; 3]> {
     let r = R::from_f64;
     let least = R::MIN_POSITIVE * R::EPSILON;
-    let cosines = [R::ONE, r(0.5), r(1e-3), R::EPSILON, (R::PI * R::HALF).cos().abs(), r(1e-13), R::MIN_POSITIVE, least];
+    let cosines =
+        [R::ONE, r(0.5), r(1e-3), R::EPSILON, (R::PI * R::HALF).cos().abs(), r(1e-13), R::MIN_POSITIVE, least];
     let mut directions = Vec::new();
     for z in cosines {
         for phi in [0.0, 0.7, 3.141_592_653_589_793, 3.841_592_653_589_793, 1.5] {
@@ -161,7 +168,8 @@ fn names_are_read_back() {
         assert_eq!(variant.to_string().parse(), Ok(variant));
     }
     assert_eq!("Ward".parse::<Variant>(), Err(BrdfError::Name));
-    for error in [BrdfError::Roughness, BrdfError::Reflectance, BrdfError::Energy, BrdfError::Isotropy, BrdfError::Name] {
+    for error in [BrdfError::Roughness, BrdfError::Reflectance, BrdfError::Energy, BrdfError::Isotropy, BrdfError::Name]
+    {
         assert!(!error.to_string().contains('\n'));
     }
 }

@@ -1,5 +1,9 @@
 //! Sampling of reflectance models against their densities; inversion; what sampling without rejection gains.
-#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a test stops at what should not be, and prints what it measured")]
+#![allow(
+    clippy::unwrap_used,
+    clippy::print_stdout,
+    reason = "a test stops at what should not be, and prints what it measured"
+)]
 
 mod brdf_support;
 

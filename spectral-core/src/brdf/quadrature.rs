@@ -53,15 +53,17 @@ pub(super) fn albedo<R: Real, L: Lobe<R>>(lobe: &L, view: [R; 3]) -> R {
     if a == b { quarter(R::ONE) } else { (quarter(R::ONE) + quarter(-R::ONE)) * R::HALF }
 }
 
-/// ∫ (w(s) + w(−s))/2 dF along an azimuth, in pieces: both slopes reflect above the horizon, then one.
+/// ∫ (w(s) + w(−s))/2 dF along an azimuth, in pieces: both slopes reflect above the horizon, then one; what is typical
+/// is integrated in closed form.
 fn over_slopes<R: Real, L: Lobe<R>>(lobe: &L, axis: &Axis<R>) -> R {
     let horizon = axis.horizon();
     let split = lobe.chart(R::ONE / horizon / axis.spread);
     let end = lobe.chart(horizon / axis.spread);
+    let typical = lobe.typical_weight();
     let at = |x: R| {
         let (y, density) = lobe.unchart(x);
         let epsilon = y * axis.spread;
-        density * (axis.weight(lobe, epsilon) + axis.weight(lobe, -epsilon))
+        density * ((axis.weight(lobe, epsilon) + axis.weight(lobe, -epsilon)) * R::HALF - typical)
     };
     let pieces = if lobe.has_kink() {
         // At ε = c/v_z, which is below the horizon's.
@@ -71,5 +73,5 @@ fn over_slopes<R: Real, L: Lobe<R>>(lobe: &L, axis: &Axis<R>) -> R {
     } else {
         gauss(R::ZERO, split, at) + graded(split, end, at)
     };
-    pieces * R::HALF
+    typical * lobe.cumulative(lobe.unchart(end).0) + pieces
 }

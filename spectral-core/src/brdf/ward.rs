@@ -242,6 +242,10 @@ impl<R: Real> Lobe<R> for Ward<R> {
         }
     }
 
+    fn typical_weight(&self) -> R {
+        if self.variant == Variant::Balanced { R::ONE } else { R::ZERO }
+    }
+
     /// Where the larger cosine changes from one to the other.
     fn has_kink(&self) -> bool {
         self.variant == Variant::WardNeumann
