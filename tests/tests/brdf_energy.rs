@@ -108,9 +108,7 @@ fn quadrature_is_the_integral_over_lights() {
                 let found = model.albedo_by_quadrature(view);
                 let error = (found / truth - 1.0).abs();
                 worst[slot] = worst[slot].max(error);
-                // Neumann's has a kink where the cosines are equal.
-                let bound = if variant == Variant::WardNeumann { 1e-4 } else { 2e-5 };
-                assert!(error <= bound, "{variant} {alpha} {beta} {degrees}: {found} {truth}");
+                assert!(error <= 2e-5, "{variant} {alpha} {beta} {degrees}: {found} {truth}");
             }
         }
     }

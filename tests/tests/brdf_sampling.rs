@@ -23,8 +23,8 @@ const AROUND: usize = 16;
 /// Polar angles of views in degrees.
 const ANGLES: [f64; 6] = [0.0, 30.0, 60.0, 80.0, 89.0, 89.99];
 
-/// A chart of lights: the slope of the half vector over a scale along each axis, y (cos ψ, sin ψ), in cells of ψ and of y
-/// with limits y = −1 + 1/√(1 − c)-like, so that lobes with any tail fit.
+/// A chart of lights: the slope of the half vector over a scale along each axis is y (cos ψ, sin ψ); cells are equal parts
+/// of ψ and of p = y/(1 + y), so that lobes with any tail fit.
 struct Chart {
     view: [f64; 3],
     scale: [f64; 2],
@@ -73,9 +73,8 @@ impl Chart {
             for (from, to) in pieces {
                 for &[node, weight] in &fine {
                     // Graded towards the first end.
-                    let t = 0.5 * (1.0 + node);
-                    let turn = from + (to - from) * t.powi(3);
-                    let weight = (to - from).abs() * 1.5 * t * t * weight;
+                    let turn = from + (to - from) * node.powi(3);
+                    let weight = (to - from).abs() * 3.0 * node * node * weight;
                     self.column(turn, weight, &pdf, &coarse, &mut cells[column..]);
                 }
             }
@@ -92,9 +91,9 @@ impl Chart {
             limits.sort_by(f64::total_cmp);
             for pair in limits.windows(2) {
                 for &[node, w] in rule {
-                    let p = 0.5 * (pair[0] + pair[1] + (pair[1] - pair[0]) * node);
+                    let p = pair[0] + (pair[1] - pair[0]) * node;
                     if let Some((light, area)) = self.light([p, turn]) {
-                        cells[row * AROUND] += 0.5 * (pair[1] - pair[0]) * w * weight * pdf(light) * area;
+                        cells[row * AROUND] += (pair[1] - pair[0]) * w * weight * pdf(light) * area;
                     }
                 }
             }
@@ -181,7 +180,7 @@ fn the_other_models_follow_their_density() {
     let (mut rng, mut results) = (Rng::new(3), Vec::new());
     let mut models: Vec<(String, Box<dyn Brdf<f64>>, [f64; 2])> = vec![("lambert".into(), Box::new(Lambert), [1.0; 2])];
     for (roughness, isotropy) in [(0.0, 0.5), (0.02, 1.0), (0.2, 0.3), (0.45, 1.0), (0.7, 0.2), (1.0, 1.0)] {
-        let scale = f64::sqrt(roughness.max(0.01));
+        let scale = f64::max(roughness, 0.01).sqrt();
         let model = Schlick::new(roughness, isotropy).unwrap();
         models.push((format!("{model:?}"), Box::new(model), [scale; 2]));
     }

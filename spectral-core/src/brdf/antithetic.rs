@@ -25,6 +25,14 @@ pub(super) trait Lobe<R: Real> {
     fn density(&self, azimuth: [R; 2], complement: R) -> R;
     /// f cos θ / pdf for a slope drawn by P alone; called for lights above the horizon.
     fn weight(&self, side: &Side<R>, view_z: R, azimuth: [R; 2]) -> R;
+    /// What (w(s) + w(−s))/2 mostly is, or 0; if it is the largest value too, the albedo by quadrature is at most that.
+    fn typical_weight(&self) -> R {
+        R::ZERO
+    }
+    /// Whether weights have a kink where both cosines are equal.
+    fn has_kink(&self) -> bool {
+        false
+    }
     /// A coordinate in which F is smooth, of finite range: x for y.
     fn chart(&self, y: R) -> R;
     /// y and dF/dx for a coordinate x.

@@ -26,6 +26,12 @@ fn gauss<R: Real>(a: R, b: R, mut f: impl FnMut(R) -> R) -> R {
     sum * half
 }
 
+/// The same with points graded towards `a`: near the horizon, the weights there change within the distance from 0.
+fn graded<R: Real>(a: R, b: R, mut f: impl FnMut(R) -> R) -> R {
+    let length = b - a;
+    gauss(R::ZERO, R::ONE, |t| R::TWO * t * f(a + length * t * t)) * length
+}
+
 /// ∫∫ (w(s) + w(−s))/2 dF dψ/π over half a turn, w = 0 below the horizon, in the lobe's smooth coordinate.
 ///
 /// The azimuth is counted from where it is perpendicular to the view and graded towards it: near the horizon the weights
@@ -47,15 +53,25 @@ pub(super) fn albedo<R: Real, L: Lobe<R>>(lobe: &L, view: [R; 3]) -> R {
     if a == b { quarter(R::ONE) } else { (quarter(R::ONE) + quarter(-R::ONE)) * R::HALF }
 }
 
-/// ∫ (w(s) + w(−s))/2 dF along an azimuth, in two pieces: both slopes reflect above the horizon, then one.
+/// ∫ (w(s) + w(−s))/2 dF along an azimuth, in pieces: both slopes reflect above the horizon, then one; what is typical
+/// is integrated in closed form.
 fn over_slopes<R: Real, L: Lobe<R>>(lobe: &L, axis: &Axis<R>) -> R {
     let horizon = axis.horizon();
     let split = lobe.chart(R::ONE / horizon / axis.spread);
     let end = lobe.chart(horizon / axis.spread);
+    let typical = lobe.typical_weight();
     let at = |x: R| {
         let (y, density) = lobe.unchart(x);
         let epsilon = y * axis.spread;
-        density * (axis.weight(lobe, epsilon) + axis.weight(lobe, -epsilon))
+        density * ((axis.weight(lobe, epsilon) + axis.weight(lobe, -epsilon)) * R::HALF - typical)
     };
-    (gauss(R::ZERO, split, at) + gauss(split, end, at)) * R::HALF
+    let pieces = if lobe.has_kink() {
+        // At ε = c/v_z, which is below the horizon's.
+        let kink = lobe.chart(axis.along.abs() / axis.view_z / axis.spread);
+        let (low, high) = (split.min(kink), split.max(kink));
+        gauss(R::ZERO, low, at) + gauss(low, high, at) + graded(high, end, at)
+    } else {
+        gauss(R::ZERO, split, at) + graded(split, end, at)
+    };
+    typical * lobe.cumulative(lobe.unchart(end).0) + pieces
 }

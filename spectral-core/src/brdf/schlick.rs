@@ -199,7 +199,7 @@ impl<R: Real> Schlick<R> {
     fn with_mixture<T>(&self, then: impl FnOnce(Mixture<'_, R, Gloss<R>>) -> T) -> T {
         let [diffuse, glossy, _] = self.weights();
         let specular = if self.roughness > R::EPSILON { glossy } else { R::ZERO };
-        let model = &Gloss { roughness: self.roughness, isotropy: self.isotropy };
+        let model = &Gloss { roughness: self.roughness, isotropy: self.isotropy.max(R::EPSILON) };
         then(Mixture { diffuse, specular, model })
     }
 }
@@ -207,7 +207,8 @@ impl<R: Real> Schlick<R> {
 /// The Lambertian and the glossy part; the ideal specular one is a separate ray's, with [`Schlick::weights`].
 ///
 /// The spectral term S(u) isn't included. Sampled by the Lambertian part and by antithetic half vectors from Z (and an
-/// azimuth that A prefers); a model that is only specular (r ≤ ε) is sampled as a diffuse one, with weight 0.
+/// azimuth that A prefers); a model that is only specular (r ≤ ε) is sampled as a diffuse one, with weight 0. An isotropy
+/// below ε counts as ε here. The albedo is by quadrature, within 10⁻⁴.
 impl<R: Real> Brdf<R> for Schlick<R> {
     fn evaluate(&self, light: [R; 3], view: [R; 3]) -> R {
         self.with_mixture(|m| m.evaluate(light, view))

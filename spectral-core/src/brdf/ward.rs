@@ -128,9 +128,8 @@ impl<R: Real> Ward<R> {
         antithetic::half_vector_pdf(self, light, view)
     }
 
-    /// The albedo by quadrature, with 512 points (1024 if anisotropic); 0 for a view that isn't above the surface.
-    ///
-    /// Within 2·10⁻⁵ relative in `f64`, 10⁻⁴ for Neumann's model, which has a kink where both cosines are equal.
+    /// The albedo by quadrature, within 2·10⁻⁵ relative (`f64`; α from 0.01 to 1, θ to 89°); 0 for a view that isn't above
+    /// the surface. It takes 512 points, twice as many if anisotropic, and half as many more for Neumann's model.
     /// Of Ward's and Dür's models it grows without bound towards grazing angles, as 1/√cos θ and 1/cos θ.
     pub fn albedo_by_quadrature(&self, view: [R; 3]) -> R {
         antithetic::albedo(self, view)
@@ -146,11 +145,11 @@ impl<R: Real> Ward<R> {
         }
         // The larger cosine first, so that the product is the same with the directions exchanged and underflows last.
         let (low, high) = (light_z.min(view_z), light_z.max(view_z));
-        let quarter = R::from_f64(0.25);
+        let four = R::from_f64(4.0);
         let value = match self.variant {
-            Variant::Ward => quarter * kernel / high.sqrt() / low.sqrt(),
-            Variant::WardDuer => quarter * kernel / high / low,
-            Variant::WardNeumann => quarter * kernel / high,
+            Variant::Ward => kernel / (four * high.sqrt()) / low.sqrt(),
+            Variant::WardDuer => kernel / (four * high) / low,
+            Variant::WardNeumann => kernel / (four * high),
             Variant::Balanced => {
                 let height = high + low;
                 (R::ONE + (x * x + y * y)) * kernel / height / height
@@ -241,6 +240,15 @@ impl<R: Real> Lobe<R> for Ward<R> {
             Variant::WardNeumann => light_z / light_z.max(view_z) * height / (R::TWO * secant2),
             Variant::Balanced => R::TWO * light_z / height,
         }
+    }
+
+    fn typical_weight(&self) -> R {
+        if self.variant == Variant::Balanced { R::ONE } else { R::ZERO }
+    }
+
+    /// Where the larger cosine changes from one to the other.
+    fn has_kink(&self) -> bool {
+        self.variant == Variant::WardNeumann
     }
 
     /// y itself up to 7, beyond which 10⁻²¹ is left.
