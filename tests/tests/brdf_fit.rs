@@ -323,10 +323,11 @@ fn both_quadratures_agree() {
     for model in Variant::ALL {
         for alphas in [[0.01, 0.01], [0.1, 0.1], [0.5, 0.5], [0.05, 0.3], [0.3, 0.05]] {
             let ward = Ward::new(model, alphas[0], alphas[1]).unwrap();
-            for angle in [[0.0, 0.0], [30.0, 20.0], [60.0, 90.0], [80.0, 45.0], [88.0, 0.0], [89.5, 70.0]] {
+            for angle in [[0.0, 0.0], [30.0, 20.0], [60.0, 90.0], [80.0, 45.0], [88.0, 0.0], [89.5, 70.0], [89.99, 0.0]]
+            {
                 let light = Reading { light: angle, view: [0.0; 2], value: 0.0, line: 0 }.light_direction();
                 let (found, core) = (albedo(model, alphas, angle).unwrap(), ward.albedo_by_quadrature(light));
-                let stated = if model == Variant::WardNeumann { 1e-4 } else { 2e-5 };
+                let stated = if model == Variant::WardNeumann { 1e-4 } else { 3e-5 };
                 let difference = (core / found.value - 1.0).abs();
                 assert!(difference <= stated + 1e-8, "{model} {alphas:?} {angle:?}: {found:?}, {core}");
             }

@@ -130,7 +130,7 @@ impl<R: Real> Ward<R> {
 
     /// The albedo by quadrature, with 512 points (1024 if anisotropic); 0 for a view that isn't above the surface.
     ///
-    /// Within 2·10⁻⁵ relative in `f64`, 10⁻⁴ for Neumann's model, which has a kink where both cosines are equal.
+    /// Within 3·10⁻⁵ relative in `f64`, 10⁻⁴ for Neumann's model, which has a kink where both cosines are equal.
     /// Of Ward's and Dür's models it grows without bound towards grazing angles, as 1/√cos θ and 1/cos θ.
     pub fn albedo_by_quadrature(&self, view: [R; 3]) -> R {
         antithetic::albedo(self, view)
