@@ -323,10 +323,11 @@ fn both_quadratures_agree() {
     for model in Variant::ALL {
         for alphas in [[0.01, 0.01], [0.1, 0.1], [0.5, 0.5], [0.05, 0.3], [0.3, 0.05]] {
             let ward = Ward::new(model, alphas[0], alphas[1]).unwrap();
-            for angle in [[0.0, 0.0], [30.0, 20.0], [60.0, 90.0], [80.0, 45.0], [88.0, 0.0], [89.5, 70.0]] {
+            for angle in [[0.0, 0.0], [30.0, 20.0], [60.0, 90.0], [80.0, 45.0], [88.0, 0.0], [89.5, 70.0], [89.99, 0.0]]
+            {
                 let light = Reading { light: angle, view: [0.0; 2], value: 0.0, line: 0 }.light_direction();
                 let (found, core) = (albedo(model, alphas, angle).unwrap(), ward.albedo_by_quadrature(light));
-                let stated = if model == Variant::WardNeumann { 1e-4 } else { 2e-5 };
+                let stated = if model == Variant::WardNeumann { 1e-4 } else { 3e-5 };
                 let difference = (core / found.value - 1.0).abs();
                 assert!(difference <= stated + 1e-8, "{model} {alphas:?} {angle:?}: {found:?}, {core}");
             }
@@ -342,7 +343,7 @@ fn energy_is_conserved_by_two_of_the_models() {
             assert!(of(model).value <= 1.0 + 1e-9, "{model} {theta}°: {:?}", of(model));
         }
         let accepted = sampling_albedo([0.1, 0.1], [theta, 0.0]).unwrap().value;
-        assert!(accepted <= 1.0 + 1e-9 && accepted >= 0.5 - 1e-9, "{theta}°: {accepted}");
+        assert!((0.5 - 1e-9..=1.0 + 1e-9).contains(&accepted), "{theta}°: {accepted}");
     }
     // The other two exceed 1 where the horizon is near, and without limit.
     assert!(albedo(Variant::Ward, [0.1, 0.1], [89.999, 0.0]).unwrap().value > 1.0);

@@ -90,7 +90,7 @@ fn check(alphas: [f64; 2], theta: f64) -> Result<(), AlbedoError> {
     if let Some(&alpha) = alphas.iter().find(|alpha| !(**alpha >= low && **alpha <= high)) {
         return Err(AlbedoError::Alpha(alpha));
     }
-    if theta >= 0.0 && theta < 90.0 { Ok(()) } else { Err(AlbedoError::Theta(theta)) }
+    if (0.0..90.0).contains(&theta) { Ok(()) } else { Err(AlbedoError::Theta(theta)) }
 }
 
 /// ∫ f(m) dm over the slopes of half vectors whose views are above the horizon.

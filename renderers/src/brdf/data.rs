@@ -151,11 +151,10 @@ impl Parser<'_> {
     fn heading(&self, cells: &[&str]) -> Result<Columns, DataError> {
         let name = |cell: &str| cell.trim_end_matches("_deg").to_ascii_lowercase();
         let names: Vec<_> = cells.iter().map(|cell| name(cell)).collect();
-        if let [first, rest @ ..] = names.as_slice() {
-            if first == "theta_v" && !rest.is_empty() && rest.iter().all(|name| name.starts_with("inc")) {
-                let angle = |name: &String| self.light_angle(name.trim_start_matches("inc"));
-                return Ok(Columns::Table(rest.iter().map(angle).collect::<Result<_, _>>()?));
-            }
+        let is_light = |name: &String| name.starts_with("inc");
+        if names.len() > 1 && names[0] == "theta_v" && names[1..].iter().all(is_light) {
+            let angle = |name: &String| self.light_angle(name.trim_start_matches("inc"));
+            return Ok(Columns::Table(names[1..].iter().map(angle).collect::<Result<_, _>>()?));
         }
         let mut places = [0; 5];
         for (place, column) in places.iter_mut().zip(LONG) {

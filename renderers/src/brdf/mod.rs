@@ -9,6 +9,7 @@ mod albedo;
 mod chart;
 mod data;
 mod fit;
+mod fitted;
 mod least_squares;
 mod model;
 mod plot;
@@ -16,6 +17,7 @@ mod symmetric;
 
 pub use albedo::{Albedo, AlbedoError, albedo, sampling_albedo};
 pub use data::{DataError, LINOLEUM_NAME, LINOLEUM_REFLECTANCE, Reading, linoleum, parse_readings, read_readings};
-pub use fit::{ALPHA_RANGE, Fit, FitError, FitSettings, FittedReading, Incidence, LocalMinimum, fit};
+pub use fit::{ALPHA_RANGE, FitError, FitSettings, fit};
+pub use fitted::{Fit, FittedReading, Incidence, LocalMinimum};
 pub use least_squares::Loss;
 pub use plot::{AlbedoCurve, plot_albedo, plot_fits};

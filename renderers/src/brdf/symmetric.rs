@@ -93,9 +93,9 @@ fn rotate<const N: usize>(a: &mut Matrix<N>, p: usize, q: usize) {
     for row in a.iter_mut() {
         (row[p], row[q]) = (cosine * row[p] - sine * row[q], sine * row[p] + cosine * row[q]);
     }
-    for k in 0..N {
-        (a[p][k], a[q][k]) = (cosine * a[p][k] - sine * a[q][k], sine * a[p][k] + cosine * a[q][k]);
-    }
+    let (first, second) = (a[p], a[q]);
+    a[p] = core::array::from_fn(|k| cosine * first[k] - sine * second[k]);
+    a[q] = core::array::from_fn(|k| sine * first[k] + cosine * second[k]);
 }
 
 #[cfg(test)]

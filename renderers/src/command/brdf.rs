@@ -16,7 +16,7 @@ use spectral_core::brdf::Variant;
 use super::{Answer, Failure};
 
 /// The most angles in a table.
-const MAX_ANGLES: usize = 10_000;
+const MAX_ANGLES: u32 = 10_000;
 
 /// What `spectral brdf` takes.
 #[derive(Debug, Args)]
@@ -150,8 +150,11 @@ fn parse_range(text: &str) -> Result<Angles, String> {
     }
     let count = ((to - from) / step + 1e-9).floor() + 1.0;
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "from 1 to the limit")]
-    let count =
-        if count <= MAX_ANGLES as f64 { count as u32 } else { return Err(format!("more than {MAX_ANGLES} angles")) };
+    let count = if count <= f64::from(MAX_ANGLES) {
+        count as u32
+    } else {
+        return Err(format!("more than {MAX_ANGLES} angles"));
+    };
     // Sums of decimal steps are not decimal; the last one may even be beyond the end.
     let decimal = |angle: f64| (angle * 1e9).round() / 1e9;
     Ok(Angles((0..count).map(|k| decimal(from + f64::from(k) * step).min(to)).collect()))
