@@ -1,7 +1,7 @@
 //! Splitting the spectrum until the colour of every patch is known well enough.
 //!
 //! Where to split is decided in a model of the scene in which all patches of one reflectance have one radiosity: that costs next to
-//! nothing. The bounds are those of all patches; where they are above the threshold, the model aims lower.
+//! nothing. The bounds are those of all patches; where they are above the threshold, what contributes most there is split.
 
 use std::sync::Arc;
 
@@ -27,10 +27,12 @@ const MOST_CELLS: usize = 512;
 const MOST_GROUPS: usize = 64;
 /// The most faces that the model keeps apart.
 const MOST_FACES: usize = 32;
-/// What the model aims at, as a share of the threshold.
-const MARGIN: f64 = 0.8;
-/// How often the model may aim lower.
-const ROUNDS: usize = 8;
+/// What the model aims at, as a share of the threshold: its patches are means over faces.
+const MARGIN: f64 = 0.85;
+/// What splitting by patches aims at.
+const AIM: f64 = 0.98;
+/// How often cells may be split because of what patches need.
+const ROUNDS: usize = 12;
 /// The error of the model's iteration.
 const ROUGH: f64 = 1e-4;
 
@@ -70,6 +72,12 @@ struct Plan<'f> {
 }
 
 impl Plan<'_> {
+    /// The greatest bound of any group of patches.
+    fn worst(&self) -> f64 {
+        let leaves = 0..self.field.surface.len();
+        leaves.map(|leaf| bound(self.mode, &self.cells, leaf).delta_e).fold(0.0, f64::max)
+    }
+
     /// Splits what contributes most to the worst colour until that is good enough.
     fn refine(&mut self, target: f64, spectra: &Spectra<'_>, lamps: &[Option<u32>]) {
         while self.cells.len() < MOST_CELLS {
@@ -89,6 +97,14 @@ impl Plan<'_> {
         }
     }
 
+    /// Splits these cells.
+    fn split(&mut self, places: Vec<(usize, Node)>, spectra: &Spectra<'_>, lamps: &[Option<u32>]) {
+        self.cells.retain(|known| !places.iter().any(|place| known.is(*place)));
+        for (lamp, node) in places {
+            self.add(lamp, node.children().into_iter().flatten(), spectra, lamps);
+        }
+    }
+
     fn add(
         &mut self,
         lamp: usize,
@@ -99,9 +115,46 @@ impl Plan<'_> {
         let cells: Vec<Cell> =
             nodes.into_iter().filter_map(|node| spectra.cell(lamp, *lamps.get(lamp)?, node)).collect();
         let mut work = Work { tolerance: ROUGH, buffer: Buffer::default(), report: &mut |_, _| {} };
-        let rows = self.field.solve(self.mode, &cells, &mut work);
+        // What errors are estimated by is needed here, whatever the rows keep.
+        let mode = if self.mode == Mode::Corrected { Mode::Paper } else { self.mode };
+        let rows = self.field.solve(mode, &cells, &mut work);
         self.cells.extend(cells.into_iter().zip(rows).map(|(cell, rows)| Known { cell, rows }));
     }
+}
+
+/// The cells to split so that all patches' bounds come near to the threshold, if a half's radius is an eighth: mass is proportional to width,
+/// and a covariance to its square.
+fn split_by_patches(mode: Mode, cells: &[Known], threshold: f64) -> Vec<(usize, Node)> {
+    const LEFT: f64 = 0.25;
+    let leaves = cells.first().map_or(0, |known| known.rows.len());
+    let sums = (0..leaves).into_par_iter().map(|leaf| {
+        let parts = cells.iter().map(|known| seen(mode, known, leaf));
+        parts.fold([[0.0; 3]; 2], |[xyz, radius], (value, around)| {
+            [core::array::from_fn(|a| xyz[a] + value[a]), core::array::from_fn(|a| radius[a] + around[a])]
+        })
+    });
+    let mut sums: Vec<[[f64; 3]; 2]> = sums.collect();
+    let mut chosen: Vec<usize> = Vec::new();
+    loop {
+        let bounds = sums.par_iter().enumerate().map(|(leaf, [xyz, radius])| {
+            let ColourBound { delta_e, gradient } = delta_e_bound(*xyz, *radius, rgb::WHITE);
+            (delta_e, leaf, gradient)
+        });
+        let worst = bounds.max_by(|(a, ..), (b, ..)| a.total_cmp(b)).filter(|(worst, ..)| !(*worst <= AIM * threshold));
+        let open = |index: &usize| !chosen.contains(index) && cells[*index].cell.node.level() < DEPTH;
+        let Some((_, leaf, gradient)) = worst else { break };
+        let score = |index: &usize| {
+            let (_, radius) = seen(mode, &cells[*index], leaf);
+            radius.iter().zip(gradient).map(|(r, g)| r * g).sum::<f64>()
+        };
+        let Some(index) = (0..cells.len()).filter(open).max_by(|a, b| score(a).total_cmp(&score(b))) else { break };
+        sums.par_iter_mut().enumerate().for_each(|(leaf, [_, radius])| {
+            let (_, around) = seen(mode, &cells[index], leaf);
+            radius.iter_mut().zip(around).for_each(|(r, part)| *r -= (1.0 - LEFT) * part);
+        });
+        chosen.push(index);
+    }
+    chosen.into_iter().map(|index| (cells[index].cell.lamp, cells[index].cell.node)).collect()
 }
 
 impl Radiosity {
@@ -111,8 +164,9 @@ impl Radiosity {
     /// Each light spectrum of the scene has a subdivision of its own and is integrated exactly with the colour-matching functions, so that
     /// lines need no fine parts. In the certified mode the bound covers all that the representation leaves out, iteration and rounding: with respect
     /// to the exact solution of the discrete system at every wavelength. It is infinite where no amplification of residuals is known. In the
-    /// other modes it is an estimate: the sum of all |e| of Iehl and Péroche, where e is the difference between the solutions for the
-    /// channel's mean reflectances and for the common ones.
+    /// paper's mode it is an estimate: the sum of all |e| of Iehl and Péroche, where e is the difference between the solutions for the
+    /// channel's mean reflectances and for the common ones. The corrected mode leaves the latter out, and estimates for the faces of the scene as a
+    /// whole instead of for every patch.
     ///
     /// # Errors
     /// [`RadiosityError::NoSolution`] where the surfaces around a closed space reflect all light of some wavelength, and
@@ -129,44 +183,64 @@ impl Radiosity {
         let lamps = self.lamps();
         let field = self.field(&lamps, &spectra, &mut buffer)?;
         let (model, groups) = self.model(&field, &mut buffer);
-        let mut plan =
-            Plan { field: model_field(&field, &model, &groups, &spectra, &mut buffer), mode, cells: Vec::new() };
+        // Without an amplification there is no bound to go by.
+        let bounded = field.amplification.iter().all(|a| a.is_finite());
+        let planned = if bounded { mode } else { Mode::Corrected };
+        let mut plan = Plan {
+            field: model_field(&field, &model, &groups, &spectra, &mut buffer),
+            mode: planned,
+            cells: Vec::new(),
+        };
         for lamp in 0..lamps.len() {
             plan.add(lamp, [Node::ROOT], &spectra, &lamps);
         }
         let mut report = self.report();
         let mut cells: Vec<Known> = Vec::new();
-        let mut target = MARGIN * settings.threshold;
-        for _ in 0..ROUNDS {
-            plan.refine(target, &spectra, &lamps);
-            let before = cells.len();
+        let target = if planned == Mode::Corrected { 1.0 } else { MARGIN } * settings.threshold;
+        plan.refine(target, &spectra, &lamps);
+        for round in 0..ROUNDS {
             cells.retain(|known| plan.cells.iter().any(|planned| planned.is((known.cell.lamp, known.cell.node))));
             let is_new = |planned: &&Known| !cells.iter().any(|known| known.is((planned.cell.lamp, planned.cell.node)));
             let new: Vec<Cell> = plan.cells.iter().filter(is_new).map(|planned| planned.cell.clone()).collect();
-            if new.is_empty() && before > 0 {
+            if new.is_empty() && round > 0 {
                 break;
             }
-            let mut told = |passes: usize, values: Option<(&[Cell], &Values<'_>)>| {
-                report.passes += passes;
-                if let Some((cells, values)) = values {
-                    let emitted = field.of_lamps(mode, cells, |lamp| &lamp.emitted);
-                    let Values { system, solved, irradiance } = values;
-                    self.judge(&Judged::new(system, &emitted, solved, irradiance), &mut report);
-                }
-            };
-            let mut work =
-                Work { tolerance: self.settings.residual, buffer: core::mem::take(&mut buffer), report: &mut told };
-            let rows = field.solve(mode, &new, &mut work);
-            buffer = work.buffer;
-            cells.extend(new.into_iter().zip(rows).map(|(cell, rows)| Known { cell, rows }));
+            cells.extend(self.solve_cells(&field, mode, new, &mut buffer, &mut report));
+            if mode == Mode::Corrected {
+                report.delta_e_bound = plan.worst();
+                break;
+            }
             self.note(mode, &cells, &mut report);
-            if report.delta_e_bound <= settings.threshold {
+            if report.delta_e_bound <= settings.threshold || !bounded {
                 break;
             }
-            // The model's patches are means: by how much is known now.
-            target *= (0.95 * settings.threshold / report.delta_e_bound).clamp(0.2, 0.9);
+            plan.split(split_by_patches(mode, &cells, settings.threshold), &spectra, &lamps);
         }
         Ok(self.assembled(mode, lamps, cells, report))
+    }
+
+    /// Solves for some cells, and notes residuals and balance.
+    fn solve_cells(
+        &self,
+        field: &Field<'_>,
+        mode: Mode,
+        cells: Vec<Cell>,
+        buffer: &mut Buffer,
+        report: &mut Report,
+    ) -> impl Iterator<Item = Known> + use<> {
+        let mut told = |passes: usize, values: Option<(&[Cell], &Values<'_>)>| {
+            report.passes += passes;
+            if let Some((cells, values)) = values {
+                let emitted = field.of_lamps(mode, cells, |lamp| &lamp.emitted);
+                let Values { system, solved, irradiance } = values;
+                self.judge(&Judged::new(system, &emitted, solved, irradiance), report);
+            }
+        };
+        let tolerance = self.settings.residual;
+        let mut work = Work { tolerance, buffer: core::mem::take(buffer), report: &mut told };
+        let rows = field.solve(mode, &cells, &mut work);
+        *buffer = work.buffer;
+        cells.into_iter().zip(rows).map(|(cell, rows)| Known { cell, rows })
     }
 
     /// The leaves of the palette that lights have.

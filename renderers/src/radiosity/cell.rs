@@ -6,17 +6,22 @@
 
 use spectral_core::Observer;
 use spectral_core::adaptive::Mode;
-use spectral_core::interval::{Domain, Interval, Node, Weight, node_count, nodes};
+use spectral_core::interval::{Domain, Interval, MAX_DEPTH, Node, Weight, node_count, nodes};
 use spectral_core::spectrum::{PiecewiseLinear, Spectrum};
 
-use crate::spectral::{Factor, Palette, Y_INTEGRAL};
+use crate::spectral::{Factor, Palette, Role, Tabulated, Y_INTEGRAL};
 
-/// How deep the domain may be split: 2⁸ parts of 1.6 nm.
-pub(super) const DEPTH: u8 = 8;
+/// How deep the domain may be split: 2¹² parts of 0.1 nm, because what reflects nearly all light only around one wavelength has
+/// a resonance there.
+pub(super) const DEPTH: u8 = MAX_DEPTH;
 /// Variances below this share of the squared maximum are rounding.
 const VARIANCE_ROUNDING: f64 = 1e-13;
 /// What rounding may cost a product or a sum, as a share of it.
 const ROUNDING: f64 = 1e-13;
+/// Deviations below this share of the maximum are of rounding alone.
+const CONSTANT: f64 = 1e-6;
+/// The least share of a channel in a radius: what iteration and rounding leave in any channel is multiplied by the inverse.
+pub(super) const LEAST_SHARE: f64 = 0.01;
 
 /// A reflectance on a part of the domain.
 #[derive(Clone, Copy, Debug, Default)]
@@ -40,7 +45,10 @@ pub(super) struct Cell {
     pub(super) node: Node,
     /// ∫dν = ∫Eā over the part, over ∫ȳ.
     mass: [f64; 3],
-    /// For each leaf of the palette, what it is as a reflectance.
+    /// For each channel, at least the square of any reflectance's deviation there over its greatest in any channel: norms are less by the
+    /// root of this, and radii by this, as both deviations of a covariance are.
+    share: [f64; 3],
+    /// For each leaf of the palette, what it is as a reflectance; lights count as 1.
     parts: Vec<Part>,
 }
 
@@ -51,7 +59,7 @@ pub(super) struct Row {
     pub(super) value: [f64; 3],
     /// Certified: at least √(∫(S − value)² dν / ∫dν) in any channel. First order: the mean of all channels.
     pub(super) norm: f64,
-    /// Certified: how far any of `value` may be off. Not used by the first order.
+    /// Certified: how far any of `value` may be off, but for the [share](Cell) of the channel. Not used by the first order.
     pub(super) radius: f64,
 }
 
@@ -75,8 +83,7 @@ impl Cell {
     /// What a reflectance's spectrum is here.
     pub(super) fn part(&self, factor: Factor) -> Part {
         let known = factor.leaf.and_then(|leaf| self.parts.get(leaf as usize));
-        let one = Part { mean: [1.0; 3], common: 1.0, deviation: 0.0, most: 1.0, high: 1.0 };
-        let part = known.copied().unwrap_or(one);
+        let part = known.copied().unwrap_or(ONE);
         let times = |v: f64| v * factor.scale;
         Part {
             mean: part.mean.map(times),
@@ -101,7 +108,8 @@ impl Cell {
         Row {
             value,
             norm: (part.high * row.norm + part.deviation * most) * up,
-            radius: (part.most * row.radius + part.deviation * row.norm) * up + ROUNDING * part.most * most,
+            radius: (part.most * row.radius + part.deviation * row.norm) * up
+                + ROUNDING / LEAST_SHARE * part.most * most,
         }
     }
 
@@ -116,7 +124,7 @@ impl Cell {
                 let most = row.value.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
                 // Where little is seen in a channel, that little is less exact.
                 let rounding = ROUNDING * most * self.mass.iter().fold(0.0, |m: f64, v| m.max(*v));
-                (times(row.value), core::array::from_fn(|a| self.mass[a] * row.radius + rounding))
+                (times(row.value), core::array::from_fn(|a| self.mass[a] * self.share[a] * row.radius + rounding))
             }
         }
     }
@@ -124,8 +132,10 @@ impl Cell {
 
 /// The spectra of a palette, ready for integration over parts of the domain.
 pub(super) struct Spectra<'p> {
-    leaves: Vec<PiecewiseLinear<'p, f64>>,
+    leaves: Vec<(PiecewiseLinear<'p, f64>, Role)>,
     domain: Domain<'p, f64>,
+    /// The greatest value of each leaf in the visible domain.
+    greatest: Vec<f64>,
 }
 
 /// Room for the weights of a domain.
@@ -135,59 +145,111 @@ impl<'p> Spectra<'p> {
     pub(super) fn new(palette: &'p Palette, weights: &'p mut Weights) -> Result<Self, String> {
         weights.resize(node_count(DEPTH), Weight::default());
         let domain = Domain::build(Observer::cie_1931_2deg(), DEPTH, weights).map_err(|e| e.to_string())?;
-        let leaves = palette.leaves().iter().map(|(leaf, _)| leaf.spectrum()).collect::<Result<_, _>>()?;
-        Ok(Self { leaves, domain })
+        let leaf = |(leaf, role): &'p (Tabulated, Role)| Ok::<_, String>((leaf.spectrum()?, *role));
+        let leaves = palette.leaves().iter().map(leaf).collect::<Result<Vec<_>, _>>()?;
+        let greatest = leaves.iter().map(|(leaf, _)| range(leaf, Node::ROOT)[1]).collect();
+        Ok(Self { leaves, domain, greatest })
     }
 
     /// A part under a lamp, or `None` where that sends nothing that is seen.
     pub(super) fn cell(&self, lamp: usize, light: Option<u32>, node: Node) -> Option<Cell> {
-        let light = light.and_then(|leaf| self.leaves.get(leaf as usize)).map(|s| s as &dyn Spectrum<f64>);
-        let integrals = |more: &[&dyn Spectrum<f64>]| -> [f64; 3] {
-            let factors: Vec<_> = light.into_iter().chain(more.iter().copied()).collect();
-            let product = Interval::of_product(&factors, &self.domain, node, &Interval::zero());
-            product.tristimulus(&self.domain.weight(node))
-        };
-        let mass = integrals(&[]);
+        let light = light.and_then(|leaf| self.leaves.get(leaf as usize)).map(|(s, _)| s as &dyn Spectrum<f64>);
+        let mass = self.integrals(light, &[], node);
         if !mass.iter().any(|m| *m > 0.0) {
             return None;
         }
-        let part = |leaf: &PiecewiseLinear<'_, f64>| {
-            let Interval { low, high, .. } = Interval::of_spectrum(leaf, &self.domain, node);
-            let (firsts, seconds) = (integrals(&[leaf]), integrals(&[leaf, leaf]));
-            let mean: [f64; 3] =
-                core::array::from_fn(|a| if mass[a] > 0.0 { (firsts[a] / mass[a]).clamp(low, high) } else { f64::NAN });
-            let weighted = |v: [f64; 3]| v.iter().zip(mass).map(|(v, m)| v * m).sum::<f64>();
-            let common = (weighted(firsts) / weighted(mass)).clamp(low, high);
-            let mut variance = 0.0_f64;
-            for a in (0..3).filter(|a| mass[*a] > 0.0) {
-                let exact = seconds[a] / mass[a] - mean[a] * mean[a];
-                // Neither can a variance be more than this, whatever rounding does where there is hardly any light.
-                let most = (high - mean[a]) * (mean[a] - low);
-                variance = variance.max(exact.min(most.max(0.0)));
+        let mut share = [LEAST_SHARE; 3];
+        let mut part = |(leaf, role): &(PiecewiseLinear<'_, f64>, Role)| {
+            if *role == Role::Light {
+                return ONE;
             }
-            // Nothing depends on the mean in a channel that sees nothing.
-            let mean = mean.map(|m| if m.is_nan() { common } else { m });
-            let most = mean.iter().fold(common, |m: f64, v| m.max(*v)) * (1.0 + ROUNDING);
-            Part { mean, common, deviation: (variance + VARIANCE_ROUNDING * high * high).sqrt(), most, high }
+            let (mut part, deviations) = self.part(leaf, light, node, mass);
+            if part.deviation <= CONSTANT * part.high {
+                // Of rounding alone, which is no less in one channel than in another.
+                part.deviation /= LEAST_SHARE.sqrt();
+                return part;
+            }
+            for (share, deviation) in share.iter_mut().zip(deviations) {
+                *share = share.max((deviation / part.deviation).powi(2).min(1.0));
+            }
+            part
         };
-        let parts = self.leaves.iter().map(part).collect();
-        Some(Cell { lamp, node, mass: mass.map(|m| m.max(0.0) / Y_INTEGRAL), parts })
+        let parts = self.leaves.iter().map(&mut part).collect();
+        Some(Cell { lamp, node, mass: mass.map(|m| m.max(0.0) / Y_INTEGRAL), share, parts })
+    }
+
+    /// The integrals of a product with a lamp and the colour-matching functions.
+    fn integrals(&self, light: Option<&dyn Spectrum<f64>>, more: &[&dyn Spectrum<f64>], node: Node) -> [f64; 3] {
+        let factors: Vec<_> = light.into_iter().chain(more.iter().copied()).collect();
+        let product = Interval::of_product(&factors, &self.domain, node, &Interval::zero());
+        product.tristimulus(&self.domain.weight(node))
+    }
+
+    /// A reflectance on a part, and at least its deviation in each channel.
+    fn part(
+        &self,
+        leaf: &PiecewiseLinear<'_, f64>,
+        light: Option<&dyn Spectrum<f64>>,
+        node: Node,
+        mass: [f64; 3],
+    ) -> (Part, [f64; 3]) {
+        let [low, high] = range(leaf, node);
+        let firsts = self.integrals(light, &[leaf], node);
+        let seconds = self.integrals(light, &[leaf, leaf], node);
+        let weighted = |v: [f64; 3]| v.iter().zip(mass).map(|(v, m)| v * m).sum::<f64>();
+        let common = (weighted(firsts) / weighted(mass)).clamp(low, high);
+        // Nothing depends on the mean in a channel that sees nothing.
+        let mean: [f64; 3] =
+            core::array::from_fn(|a| if mass[a] > 0.0 { (firsts[a] / mass[a]).clamp(low, high) } else { common });
+        let deviations: [f64; 3] = core::array::from_fn(|a| {
+            let exact = if mass[a] > 0.0 { seconds[a] / mass[a] - mean[a] * mean[a] } else { 0.0 };
+            // Neither can a variance be more than this, whatever rounding does where there is hardly any light.
+            let most = (high - mean[a]) * (mean[a] - low);
+            (exact.min(most).max(0.0) + VARIANCE_ROUNDING * high * high).sqrt()
+        });
+        let greatest = |v: [f64; 3]| v.iter().fold(0.0, |m: f64, v| m.max(*v)) * (1.0 + ROUNDING);
+        let part = Part { mean, common, deviation: greatest(deviations), most: greatest(mean).max(common), high };
+        (part, deviations)
     }
 
     /// The greatest value of a reflectance in the visible domain.
     pub(super) fn greatest(&self, factor: Factor) -> f64 {
-        self.high(factor, Node::ROOT)
+        factor.scale * factor.leaf.and_then(|leaf| self.greatest.get(leaf as usize)).map_or(1.0, |greatest| *greatest)
     }
 
     /// Whether all these reflectances reach 1 somewhere in one of the smallest parts.
     pub(super) fn reflects_all(&self, factors: &[Factor]) -> bool {
-        let smallest = nodes(DEPTH).filter(|node| node.level() == DEPTH);
-        let all = |node: Node| factors.iter().all(|factor| self.high(*factor, node) >= 1.0);
-        !factors.is_empty() && smallest.into_iter().any(all)
+        if factors.iter().any(|factor| !(self.greatest(*factor) >= 1.0)) {
+            return false;
+        }
+        let high = |factor: &Factor, node: Node| {
+            let leaf = factor.leaf.and_then(|leaf| self.leaves.get(leaf as usize));
+            factor.scale * leaf.map_or(1.0, |(leaf, _)| range(leaf, node)[1])
+        };
+        let mut smallest = nodes(DEPTH).filter(|node| node.level() == DEPTH);
+        !factors.is_empty() && smallest.any(|node| factors.iter().all(|factor| high(factor, node) >= 1.0))
     }
+}
 
-    fn high(&self, factor: Factor, node: Node) -> f64 {
-        let leaf = factor.leaf.and_then(|leaf| self.leaves.get(leaf as usize));
-        factor.scale * leaf.map_or(1.0, |leaf| Interval::of_spectrum(leaf, &self.domain, node).high)
+/// The reflectance 1.
+const ONE: Part = Part { mean: [1.0; 3], common: 1.0, deviation: 0.0, most: 1.0, high: 1.0 };
+
+/// At most the least and at least the greatest value on a part.
+fn range(spectrum: &PiecewiseLinear<'_, f64>, node: Node) -> [f64; 2] {
+    let [from, to] = node.limits::<f64>();
+    let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+    let mut note = |value: f64| (low, high) = (low.min(value), high.max(value));
+    let mut position = from;
+    while position < to {
+        let segment = spectrum.segment(position);
+        note(segment.first);
+        if segment.end <= to {
+            note(segment.last);
+        } else {
+            note(spectrum.value(to));
+        }
+        position = segment.end;
     }
+    let margin = ROUNDING * high.abs().max(low.abs());
+    [low - margin, high + margin]
 }

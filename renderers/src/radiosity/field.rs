@@ -11,13 +11,14 @@
 
 use spectral_core::adaptive::Mode;
 
-use super::cell::{Cell, Part, Row};
+use super::cell::{Cell, LEAST_SHARE, Part, Row};
 use super::solve::{Solved, System};
 use super::transport::{Buffer, Transport};
 use crate::spectral::Factor;
 
-/// Cells that are solved for together: at most 16 numbers.
+/// Cells whose values are solved for together, at most 16 numbers; and cells whose bounds are.
 const CELLS: usize = 5;
+const BLOCK: usize = 15;
 /// Relative error of bounds, and of the bound of what iteration leaves.
 const BOUND_TOLERANCE: f64 = 1e-2;
 /// What rounding may leave as a residual, as a share of the largest value: some hundred terms of any one irradiance.
@@ -60,6 +61,17 @@ pub(super) struct Values<'f> {
     pub(super) irradiance: Vec<f64>,
 }
 
+/// A cell's rows, and what iteration and rounding leave as a residual of the values.
+struct Known {
+    rows: Vec<Row>,
+    left: f64,
+}
+
+/// For how many cells the mean of all channels is solved for.
+const fn more(mode: Mode, cells: usize) -> usize {
+    if matches!(mode, Mode::Paper) { cells } else { 0 }
+}
+
 impl<'t> Field<'t> {
     /// Finds the amplification for reflectances of at most `greatest`; infinite where there is no bound.
     pub(super) fn amplify(&mut self, greatest: &[f64], buffer: &mut Buffer) {
@@ -85,7 +97,7 @@ impl<'t> Field<'t> {
     /// Reflected radiosity on some cells: for each of them, the rows of all leaves.
     pub(super) fn solve(&self, mode: Mode, cells: &[Cell], work: &mut Work<'_>) -> Vec<Vec<Row>> {
         let mut rows = Vec::new();
-        for block in cells.chunks(if mode == Mode::Certified { CELLS } else { CELLS - 1 }) {
+        for block in cells.chunks(BLOCK) {
             rows.extend(match self.bounces {
                 Some(count) => self.reflect(mode, block, count, work),
                 None => self.block(mode, block, work),
@@ -100,39 +112,50 @@ impl<'t> Field<'t> {
     }
 
     /// Numbers for all leaves, row by row, from the parts of a leaf's reflectance.
-    fn rows<'p, I: Iterator<Item = f64>>(
-        &self,
-        parts: &'p [Vec<Part>],
-        row: impl Fn(usize, &'p [Part]) -> I,
-    ) -> Vec<f64> {
-        self.surface.iter().enumerate().flat_map(|(leaf, surface)| row(leaf, &parts[*surface])).collect()
+    fn rows(&self, parts: &[Vec<Part>], width: usize, row: impl Fn(usize, &[Part], &mut Vec<f64>)) -> Vec<f64> {
+        let mut rows = Vec::with_capacity(self.surface.len() * width);
+        for (leaf, surface) in self.surface.iter().enumerate() {
+            row(leaf, &parts[*surface], &mut rows);
+        }
+        rows
     }
 
-    /// A number of the lamps, three times for each cell, then once more in the first order.
+    /// A number of the lamps, three times for each cell, then once more where the mean of all channels is solved for.
     pub(super) fn of_lamps(&self, mode: Mode, cells: &[Cell], number: impl Fn(&Lit) -> &[f64]) -> Vec<f64> {
         let lamps: Vec<&[f64]> = cells.iter().map(|cell| number(&self.lamps[cell.lamp])).collect();
         let lamps = &lamps;
-        let more = if mode == Mode::Certified { 0 } else { lamps.len() };
         let row = |leaf: usize| {
             let thrice = lamps.iter().flat_map(move |lamp| [lamp[leaf]; 3]);
-            thrice.chain(lamps[..more].iter().map(move |lamp| lamp[leaf]))
+            thrice.chain(lamps[..more(mode, lamps.len())].iter().map(move |lamp| lamp[leaf]))
         };
         (0..self.surface.len()).flat_map(row).collect()
     }
 
     fn block(&self, mode: Mode, cells: &[Cell], work: &mut Work<'_>) -> Vec<Vec<Row>> {
+        let at_once = if mode == Mode::Paper { CELLS - 1 } else { CELLS };
+        let mut known = Vec::new();
+        for cells in cells.chunks(at_once) {
+            self.values(mode, cells, work, &mut known);
+        }
+        if mode == Mode::Certified {
+            self.bounds(cells, &mut known, work);
+        }
+        known.into_iter().map(|known| known.rows).collect()
+    }
+
+    /// The values of some cells; in place of norms, the greatest irradiance in any channel where it is needed for them.
+    fn values(&self, mode: Mode, cells: &[Cell], work: &mut Work<'_>, known: &mut Vec<Known>) {
         let parts = self.parts(cells);
-        let more = if mode == Mode::Certified { 0 } else { cells.len() };
+        let more = more(mode, cells.len());
         let width = 3 * cells.len() + more;
-        let means = |_, parts: &'_ [Part]| {
-            let means: Vec<f64> =
-                parts.iter().flat_map(|p| p.mean).chain(parts[..more].iter().map(|p| p.common)).collect();
-            means.into_iter()
+        let means = |_: usize, parts: &[Part], row: &mut Vec<f64>| {
+            parts.iter().for_each(|part| row.extend(part.mean));
+            row.extend(parts[..more].iter().map(|part| part.common));
         };
         let system = System {
             transport: self.transport,
             width,
-            reflectance: self.rows(&parts, means),
+            reflectance: self.rows(&parts, width, means),
             direct: self.of_lamps(mode, cells, |lamp| &lamp.direct),
             lit: self.of_lamps(mode, cells, |lamp| &lamp.all),
             largest_sum: self.largest_sum,
@@ -142,44 +165,54 @@ impl<'t> Field<'t> {
         self.transport.apply(&solved.reflected, &mut irradiance, width, &mut work.buffer);
         let values = Values { system, solved, irradiance };
         (work.report)((values.solved.steps + 1) * width, Some((cells, &values)));
-        let bounds = if mode == Mode::Certified {
-            self.bounds(cells.len(), &parts, &values, work)
-        } else {
-            values.solved.reflected.chunks(width).flat_map(|row| row[3 * more..].iter().map(|b| [*b, 0.0])).collect()
-        };
-        let row = |leaf: usize, cell: usize| {
-            let at = &values.solved.reflected[leaf * width + 3 * cell..];
-            let [norm, radius] = bounds[leaf * cells.len() + cell];
-            Row { value: [at[0], at[1], at[2]], norm, radius }
-        };
-        (0..cells.len()).map(|cell| (0..self.surface.len()).map(|leaf| row(leaf, cell)).collect()).collect()
-    }
-
-    /// Norm and radius for each leaf and cell.
-    fn bounds(&self, count: usize, parts: &[Vec<Part>], values: &Values<'_>, work: &mut Work<'_>) -> Vec<[f64; 2]> {
-        let Values { system, solved, irradiance } = values;
+        let Values { system, solved, irradiance } = &values;
         let arriving = |i: usize| (irradiance[i] + system.lit[i]).abs();
         // The greatest of three components.
         let greatest = |of: &dyn Fn(usize) -> f64, first: usize| (first..first + 3).map(of).fold(0.0, f64::max);
-        let largest = |i: usize| (i..irradiance.len()).step_by(3 * count).map(arriving).fold(0.0, f64::max);
-        // What iteration and rounding leave in the values.
-        let left = |cell: usize| greatest(&|i| solved.residual[i] + ROUNDING * largest(i), 3 * cell);
-        let left: Vec<f64> = (0..count).map(left).collect();
-        let ratio = |above: f64, below: f64| if below > 0.0 { above / below } else { 0.0 };
+        for cell in 0..cells.len() {
+            let row = |leaf: usize| {
+                let first = leaf * width + 3 * cell;
+                let at = &solved.reflected[first..];
+                let norm = match mode {
+                    Mode::Paper => solved.reflected[leaf * width + 3 * cells.len() + cell],
+                    Mode::Corrected => 0.0,
+                    Mode::Certified => greatest(&arriving, first),
+                };
+                Row { value: [at[0], at[1], at[2]], norm, radius: 0.0 }
+            };
+            let rows: Vec<Row> = (0..self.surface.len()).map(row).collect();
+            let largest = rows.iter().fold(0.0, |m: f64, row| m.max(row.norm));
+            let left = greatest(&|i| solved.residual[i], 3 * cell) + ROUNDING * largest;
+            known.push(Known { rows, left });
+        }
+    }
 
+    /// Norms and radii.
+    fn bounds(&self, cells: &[Cell], known: &mut [Known], work: &mut Work<'_>) {
+        let parts = self.parts(cells);
+        let left: Vec<f64> = known.iter().map(|known| known.left).collect();
+        let ratio = |above: f64, below: f64| if below > 0.0 { above / below } else { 0.0 };
         let light = |leaf: usize, cell: usize, part: &Part| {
-            let most = greatest(&arriving, 3 * (leaf * count + cell)) + self.amplification[leaf] * left[cell];
+            let most = known[cell].rows[leaf].norm + self.amplification[leaf] * left[cell];
             ratio(part.deviation, part.high) * most
         };
-        let norm = self.bound(parts, &|part| part.high, &light, &left, work);
+        // What is left is in all channels alike, whatever their shares.
+        let all: Vec<f64> = left.iter().map(|left| left / LEAST_SHARE).collect();
+        let norm = self.bound(&parts, &|part| part.high, &light, &all, work);
         let mut spread = vec![0.0; norm.len()];
-        self.transport.apply(&norm, &mut spread, count, &mut work.buffer);
+        self.transport.apply(&norm, &mut spread, cells.len(), &mut work.buffer);
         // No less than what the source is divided by: a bound all the same.
         let most = |part: &Part| part.most.max(part.deviation);
-        let light =
-            |leaf: usize, cell: usize, part: &Part| ratio(part.deviation, most(part)) * spread[leaf * count + cell];
-        let radius = self.bound(parts, &most, &light, &left, work);
-        norm.into_iter().zip(radius).map(|(n, r)| [n, r]).collect()
+        let light = |leaf: usize, cell: usize, part: &Part| {
+            ratio(part.deviation, most(part)) * spread[leaf * cells.len() + cell]
+        };
+        let radius = self.bound(&parts, &most, &light, &all, work);
+        for (cell, known) in known.iter_mut().enumerate() {
+            for (leaf, row) in known.rows.iter_mut().enumerate() {
+                row.norm = norm[leaf * cells.len() + cell];
+                row.radius = radius[leaf * cells.len() + cell];
+            }
+        }
     }
 
     /// At least the solution X = ρ (light + K X) for each leaf and cell, and what a residual of `left` makes.
@@ -192,12 +225,13 @@ impl<'t> Field<'t> {
         work: &mut Work<'_>,
     ) -> Vec<f64> {
         let width = left.len();
-        let lit =
-            self.rows(parts, |leaf, parts| parts.iter().enumerate().map(move |(cell, part)| light(leaf, cell, part)));
+        let lit = self.rows(parts, width, |leaf, parts, row| {
+            row.extend(parts.iter().enumerate().map(|(cell, part)| light(leaf, cell, part)));
+        });
         let system = System {
             transport: self.transport,
             width,
-            reflectance: self.rows(parts, |_, parts| parts.iter().map(reflectance)),
+            reflectance: self.rows(parts, width, |_, parts, row| row.extend(parts.iter().map(reflectance))),
             direct: Vec::new(),
             lit,
             largest_sum: self.largest_sum,

@@ -6,16 +6,17 @@ use super::cell::{Cell, Row};
 use super::representation::{Representation, Tristimulus};
 use crate::spectral::Factor;
 
-/// The numbers of a cell: three values, and as bounds norm and radius, or the mean alone.
+/// The numbers of a cell: three values; by Iehl and Péroche the mean of all channels, too; for the certified mode norm and radius.
 pub(super) const fn numbers(mode: Mode) -> usize {
     match mode {
-        Mode::Paper | Mode::Corrected => 4,
+        Mode::Corrected => 3,
+        Mode::Paper => 4,
         Mode::Certified => 5,
     }
 }
 
-/// Spectra as means on intervals, for each lamp's spectrum by itself: first the three channels' means on all intervals, then the mean
-/// of all channels on each (first order), or norm and radius (certified).
+/// Spectra as means on intervals, for each lamp's spectrum by itself: first the three channels' means on all intervals, then by mode the mean
+/// of all channels on each, or all norms and then all radii.
 #[derive(Clone, Debug)]
 pub(super) struct IntervalRows {
     pub(super) mode: Mode,
@@ -39,7 +40,9 @@ impl IntervalRows {
     pub(super) fn put(&self, row: &mut [f64], cell: usize, numbers: &Row) {
         let count = self.cells.len();
         row[3 * cell..][..3].copy_from_slice(&numbers.value);
-        row[3 * count + cell] = numbers.norm;
+        if self.mode != Mode::Corrected {
+            row[3 * count + cell] = numbers.norm;
+        }
         if self.mode == Mode::Certified {
             row[4 * count + cell] = numbers.radius;
         }
@@ -81,6 +84,10 @@ impl Representation for IntervalRows {
             let (value, radius) = cell.colour(self.mode, &light);
             sum.value = core::array::from_fn(|a| sum.value[a] + value[a]);
             sum.radius = core::array::from_fn(|a| sum.radius[a] + radius[a]);
+        }
+        if self.mode == Mode::Corrected {
+            // The first-order error isn't kept: it is in the value.
+            sum.radius = [0.0; 3];
         }
         sum
     }

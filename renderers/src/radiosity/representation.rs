@@ -4,12 +4,12 @@ use core::fmt::Debug;
 
 use crate::spectral::{Components, Factor, UniformBins, Y_INTEGRAL};
 
-/// Tristimulus values with Y = 1 for a flat radiance of 1, and the distance in each within which the true ones are certain to be.
+/// Tristimulus values with Y = 1 for a flat radiance of 1, and how far the spectral representation may put each off.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Tristimulus {
     /// X, Y, Z.
     pub value: [f64; 3],
-    /// The distance from the true values that the spectral representation accounts for; 0 where no bound is known.
+    /// Certain for certified intervals; the first-order error for Iehl and Péroche's; 0 for all others.
     pub radius: [f64; 3],
 }
 

@@ -92,7 +92,7 @@ impl System<'_> {
         // √(ρ A), and √(ρ / A): from the unknowns to radiosity.
         let each = |f: &dyn Fn(f64, f64) -> f64| -> Vec<f64> {
             let rows = self.reflectance.chunks(width).zip(&self.transport.areas);
-            rows.flat_map(|(row, area)| row.iter().map(|r| f(*r, *area)).collect::<Vec<_>>()).collect()
+            rows.flat_map(|(row, area)| row.iter().map(|r| f(*r, *area))).collect()
         };
         let weight = each(&|r, a| (r * a).sqrt());
         let to_radiosity = each(&|r, a| (r / a).sqrt());
