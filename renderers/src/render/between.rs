@@ -12,6 +12,9 @@ use crate::spectral::{
 };
 use crate::whitted::RenderError;
 
+/// Bins of the spectra that tell where light is gathered.
+const GUIDE_BINS: usize = 12;
+
 /// What became of the light between surfaces, for reports.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BetweenReport {
@@ -33,7 +36,9 @@ pub(super) fn render(
 ) -> Result<(Pixels, bool, BetweenReport), RenderError> {
     let start = Instant::now();
     let radiosity = build(scene, &options.between, &mut palette, watch)?;
-    let job = Job { scene, options, radiosity: &radiosity, frame, start, built: start.elapsed().as_secs_f64(), watch };
+    let built = start.elapsed().as_secs_f64();
+    let guide = UniformBins::new(&palette, GUIDE_BINS).map_err(RenderError::new)?;
+    let job = Job { scene, options, radiosity: &radiosity, guide: &guide, frame, start, built, watch };
     match options.spectra {
         Spectra::Interval(_) => Err(RenderError::new("radiosity has no intervals yet: use uniform:N")),
         Spectra::Uniform(count) => {
@@ -95,6 +100,7 @@ struct Job<'s> {
     scene: &'s Scene,
     options: &'s Options,
     radiosity: &'s Radiosity,
+    guide: &'s UniformBins,
     frame: Frame<'s>,
     start: Instant,
     built: f64,
@@ -107,15 +113,16 @@ impl Job<'_> {
         representation: &dyn Representation,
         new_resolver: impl Fn() -> R + Sync,
     ) -> Result<(Pixels, bool, BetweenReport), RenderError> {
-        let Self { scene, options, radiosity, frame, start, built, watch } = self;
+        let Self { scene, options, radiosity, guide, frame, start, built, watch } = self;
         let solution = radiosity.solve(representation).map_err(|e| RenderError::new(e.to_string()))?;
         let solved = start.elapsed().as_secs_f64();
         let BetweenOptions { accuracy, exact } = options.between;
         let seen = frame.seen();
         watch.stage("light between surfaces", Field::STEPS);
         let settings = FieldSettings { accuracy, exact };
-        let white = |row: &[f64]| representation.colour(&[], row).value;
-        let field = Field::new(scene, &solution, settings, &seen, &white, &|steps| watch.add(steps));
+        let guide = radiosity.solve(guide).map_err(|e| RenderError::new(e.to_string()))?;
+        let field =
+            Field::new(scene, frame.scene, [&solution, &guide], settings, &seen, &|steps| watch.add(steps));
         let gathered = start.elapsed().as_secs_f64();
         let report = BetweenReport {
             radiosity: *solution.report(),
