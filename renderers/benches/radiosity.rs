@@ -1,11 +1,20 @@
 //! Time for exchanges between polygons, and for radiosity. `cargo bench -p renderers --bench radiosity`.
 //!
+//! `… -- spectral` compares representations of spectra instead, as a table.
+//!
 //! The cube is CIE 171 5.8 at ρ = 0.95 with 400 points; the Cornell box is solved for 81 bins at several accuracies, without points.
 
-#![allow(clippy::expect_used, clippy::cast_precision_loss, reason = "the scenes are constants")]
+#![allow(clippy::expect_used, clippy::panic, clippy::cast_precision_loss, reason = "the scenes are constants")]
+#![allow(clippy::print_stdout, reason = "the table")]
+
+mod spectral;
 
 fn main() {
-    divan::main();
+    if std::env::args().any(|argument| argument == "spectral") {
+        spectral::run();
+    } else {
+        divan::main();
+    }
 }
 
 use disk_sampling::Receiver;

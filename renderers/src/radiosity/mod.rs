@@ -10,14 +10,19 @@
 //! all around it what it must, and that in closed spaces no light is lost. Disks and
 //! spheres are polyhedra of the same area: 24-sided and of 320 triangles. Surfaces that are neither diffuse nor two-sided diffuse are refused.
 
+mod adapt;
 mod balance;
 mod build;
+mod cell;
 mod cells;
 mod contour;
+mod coupled;
 mod error;
 mod exchange;
+mod field;
 mod gather;
 mod gauss;
+mod intervals;
 mod light;
 mod link;
 mod mesh;
@@ -31,6 +36,7 @@ mod sight;
 mod solution;
 mod solve;
 mod source;
+mod system;
 mod transport;
 
 pub use error::RadiosityError;
@@ -41,21 +47,15 @@ pub use representation::{Flat, Representation, Tristimulus};
 use balance::{Balance, balance};
 use build::Builder;
 use mesh::Patches;
-use solution::Lights;
 pub use solution::Solution;
-use solve::{Solved, System};
 use source::Source;
 use transport::{Buffer, Transport};
-
-use std::sync::Arc;
 
 use glam::DVec3;
 
 use crate::scene::{Integrator, Scene};
 use crate::spectral::Palette;
 
-/// Components that are solved for together.
-const BLOCK: usize = 16;
 /// What a solution aims at.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settings {
@@ -129,6 +129,17 @@ pub struct Report {
     pub residual: f64,
     /// Bound of the error that the iteration leaves, relative to the largest radiosity: residual / (1 − ρ ΣF); infinite if that is not positive.
     pub iteration_error: f64,
+    /// How often a component of the spectrum was carried through the operator.
+    pub passes: usize,
+    /// Intervals, bins or components of the spectrum.
+    pub intervals: usize,
+    /// Bytes of the radiosities of all patches and groups of them.
+    pub row_bytes: usize,
+    /// Largest bound over all patches of the ΔE*ab that the spectral representation leaves in the colour of what they reflect; 0 where none is
+    /// known. The white is that of Rec. 709, with Y = 1 for a flat radiance of 1.
+    pub delta_e_bound: f64,
+    /// The mean over the patches' area of that bound.
+    pub mean_delta_e_bound: f64,
     /// (Light sent out − light absorbed − light that leaves) / light sent out: the component where this is worst.
     pub energy_balance: f64,
 }
@@ -163,6 +174,8 @@ pub struct Radiosity {
     lit: Vec<f64>,
     transport: Transport,
     balance: Balance,
+    /// ΣF of each leaf.
+    sums: Vec<f64>,
     links: usize,
     uncertain: usize,
 }
@@ -190,36 +203,10 @@ impl Radiosity {
         let mut transport = Transport::new(&patches, &links);
         let balance = balance(&patches, &links, &mut transport, &mut buffer);
         let lit = source::irradiances(&patches, &sources, &transport.leaves);
+        let sums = transport.row_sums(&mut buffer);
         let uncertain = links.iter().filter(|l| !l.clear).count();
         progress(1.0);
-        Ok(Self { settings: *settings, patches, sources, lit, transport, balance, links: links.len(), uncertain })
-    }
-
-    /// The radiosity of all patches, for all numbers of a representation of the palette's spectra.
-    ///
-    /// # Errors
-    /// [`RadiosityError::NoSolution`] where the surfaces around a closed space reflect everything.
-    pub fn solve<'r>(&'r self, representation: &'r dyn Representation) -> Result<Solution<'r>, RadiosityError> {
-        let width = representation.width();
-        let leaves = self.transport.leaves.len();
-        let mut reflected = vec![0.0; leaves * width];
-        let mut report = self.report();
-        let mut buffer = Buffer::default();
-        let spectra = Spectra::new(self, representation);
-        for first in (0..width).step_by(BLOCK) {
-            let block = BLOCK.min(width - first);
-            let (system, emitted) = self.system(&spectra, first, block, &mut buffer);
-            self.check(&system)?;
-            let solved = match self.settings.bounces {
-                Some(count) => system.bounces(count, &mut buffer),
-                None => system.solve(self.settings.residual, &mut buffer),
-            };
-            self.judge(&system, &emitted, &solved, &mut report, &mut buffer);
-            for (to, from) in reflected.chunks_mut(width).zip(solved.reflected.chunks(block)) {
-                to[first..first + block].copy_from_slice(from);
-            }
-        }
-        Ok(Solution::new(self, Arc::new(representation), &reflected, report))
+        Ok(Self { settings: *settings, patches, sources, lit, transport, balance, sums, links: links.len(), uncertain })
     }
 
     fn report(&self) -> Report {
@@ -232,93 +219,6 @@ impl Radiosity {
             row_sum_error: self.balance.before,
             scaled_row_sum_error: self.balance.after,
             ..Report::default()
-        }
-    }
-
-    /// The system for some components, and the radiosity that lights send out.
-    fn system(&self, spectra: &Spectra, first: usize, width: usize, buffer: &mut Buffer) -> (System<'_>, Vec<f64>) {
-        let rows = |of_sides: &[f64]| -> Vec<f64> {
-            let side = |leaf: &u32| self.patches.nodes[*leaf as usize].side as usize;
-            let row = |leaf: &u32| of_sides[side(leaf) * spectra.width + first..][..width].to_vec();
-            self.transport.leaves.iter().flat_map(row).collect()
-        };
-        let (reflectance, emitted) = (rows(&spectra.reflectance), rows(&spectra.lights.emission));
-        let mut lit = vec![0.0; emitted.len()];
-        if emitted.iter().any(|e| *e != 0.0) {
-            self.transport.apply(&emitted, &mut lit, width, buffer);
-        }
-        let mut direct = vec![0.0; emitted.len()];
-        for (index, spectrum) in spectra.lights.sources.chunks(spectra.width).enumerate() {
-            let spectrum = &spectrum[first..][..width];
-            for (row, factor) in direct.chunks_mut(width).zip(self.lit.iter().skip(index).step_by(self.sources.len())) {
-                row.iter_mut().zip(spectrum).for_each(|(h, s)| *h += factor * s);
-            }
-        }
-        lit.iter_mut().zip(&direct).for_each(|(h, d)| *h += d);
-        let largest_sum = self.balance.largest;
-        (System { transport: &self.transport, width, reflectance, direct, lit, largest_sum }, emitted)
-    }
-
-    /// Refuses closed spaces that reflect everything.
-    fn check(&self, system: &System<'_>) -> Result<(), RadiosityError> {
-        if self.settings.bounces.is_some() || self.balance.closed < 1.0 {
-            return Ok(());
-        }
-        let all = |i: usize| system.reflectance.iter().skip(i).step_by(system.width).all(|r| *r >= 1.0);
-        if !system.reflectance.is_empty() && (0..system.width).any(all) {
-            Err(RadiosityError::NoSolution)
-        } else {
-            Ok(())
-        }
-    }
-
-    /// Notes residual and energy balance.
-    fn judge(&self, system: &System<'_>, emitted: &[f64], solved: &Solved, report: &mut Report, buffer: &mut Buffer) {
-        let width = system.width;
-        report.iterations = report.iterations.max(solved.steps);
-        let mut irradiance = vec![0.0; solved.reflected.len()];
-        self.transport.apply(&solved.reflected, &mut irradiance, width, buffer);
-        let sums = self.transport.row_sums(buffer);
-        for (component, amplification) in system.amplification().into_iter().enumerate() {
-            let (mut sent, mut kept, mut largest) = (0.0, 0.0, 0.0_f64);
-            for (leaf, (area, sum)) in self.transport.areas.iter().zip(&sums).enumerate() {
-                let i = leaf * width + component;
-                let (emission, reflected) = (emitted[i], solved.reflected[i]);
-                let arriving = system.lit[i] + irradiance[i];
-                sent += area * (emission + system.direct[i]);
-                kept += area * (arriving - reflected + (emission + reflected) * (1.0 - sum));
-                largest = largest.max(reflected);
-            }
-            if self.settings.bounces.is_none() && largest > 0.0 {
-                let residual = solved.residual[component] / largest;
-                report.residual = report.residual.max(residual);
-                let bounded = amplification > 1.0 || residual == 0.0;
-                let error = if bounded { residual * amplification } else { f64::INFINITY };
-                report.iteration_error = report.iteration_error.max(error);
-                let balance = (sent - kept) / sent;
-                if balance.abs() >= report.energy_balance.abs() {
-                    report.energy_balance = balance;
-                }
-            }
-        }
-    }
-}
-
-/// Rows of a representation.
-struct Spectra {
-    width: usize,
-    /// Of each side.
-    reflectance: Vec<f64>,
-    lights: Lights,
-}
-
-impl Spectra {
-    fn new(radiosity: &Radiosity, representation: &dyn Representation) -> Self {
-        let row = |side: &mesh::Side| representation::reflectance(representation, side.reflectance);
-        Self {
-            width: representation.width(),
-            reflectance: radiosity.patches.sides.iter().flat_map(row).collect(),
-            lights: Lights::new(radiosity, representation),
         }
     }
 }

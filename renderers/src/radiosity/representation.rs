@@ -173,3 +173,16 @@ pub(super) fn reflectance(representation: &dyn Representation, factor: Factor) -
     representation.reflect(factor, &mut row);
     row
 }
+
+/// What a reflectance does to a row, as a matrix, row by row.
+pub(super) fn matrix(representation: &dyn Representation, factor: Factor) -> Vec<f64> {
+    let width = representation.width();
+    let mut matrix = vec![0.0; width * width];
+    for column in 0..width {
+        let mut unit = vec![0.0; width];
+        unit[column] = 1.0;
+        representation.reflect(factor, &mut unit);
+        unit.iter().enumerate().for_each(|(row, value)| matrix[row * width + column] = *value);
+    }
+    matrix
+}

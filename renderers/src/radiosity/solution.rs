@@ -54,7 +54,7 @@ impl<'r> Solution<'r> {
         radiosity: &'r Radiosity,
         representation: Arc<dyn Representation + Send + 'r>,
         reflected: &[f64],
-        report: Report,
+        mut report: Report,
     ) -> Self {
         let (width, values) = (representation.width(), representation.values());
         let transport = &radiosity.transport;
@@ -73,6 +73,7 @@ impl<'r> Solution<'r> {
         let levels = nodes.chunks(width).map(level).collect();
         let spreads = spreads(radiosity, [width, values], &nodes, &means, relative);
         let lights = Lights::new(radiosity, &*representation);
+        report.row_bytes = size_of_val(&*nodes);
         Self { radiosity, representation, width, nodes, levels, spreads, lights, report }
     }
 

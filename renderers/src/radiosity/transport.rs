@@ -86,6 +86,42 @@ impl Transport {
         result
     }
 
+    /// The same between groups of leaves, each as if it had one radiosity: `group` of each leaf, below `count`.
+    pub(super) fn condensed(&self, group: &[usize], count: usize, buffer: &mut Buffer) -> Self {
+        const WIDTH: usize = 16;
+        let mut areas = vec![0.0; count];
+        group.iter().zip(&self.areas).for_each(|(g, a)| areas[*g] += a);
+        // Row by row: the mean over the group of K times the indicator of another group.
+        let mut factors = vec![0.0; count * count];
+        for first in (0..count).step_by(WIDTH) {
+            let width = WIDTH.min(count - first);
+            let mut indicator = vec![0.0; group.len() * width];
+            for (row, g) in indicator.chunks_mut(width).zip(group) {
+                if (first..first + width).contains(g) {
+                    row[g - first] = 1.0;
+                }
+            }
+            let mut irradiance = vec![0.0; indicator.len()];
+            self.apply(&indicator, &mut irradiance, width, buffer);
+            for ((row, g), area) in irradiance.chunks(width).zip(group).zip(&self.areas) {
+                let to = &mut factors[g * count + first..][..width];
+                to.iter_mut().zip(row).for_each(|(t, h)| *t += h * area / areas[*g]);
+            }
+        }
+        let numbers: Vec<u32> = (0..).take(count).collect();
+        Self {
+            leaves: numbers.clone(),
+            areas,
+            children: vec![LEAF; count],
+            leaf: numbers.clone(),
+            share: vec![1.0; count],
+            starts: (0..=count).map(|node| node * count).collect(),
+            sources: (0..count).flat_map(|_| numbers.iter().copied()).collect(),
+            factors,
+            scale: vec![1.0; count],
+        }
+    }
+
     /// How many nodes there are.
     pub(super) const fn nodes(&self) -> usize {
         self.children.len()
@@ -127,6 +163,13 @@ impl Transport {
         buffer.irradiance.clear();
         buffer.irradiance.resize(self.nodes() * width, 0.0);
         let from = &buffer.radiosity;
+        if self.nodes() <= CHUNK {
+            // Too little for more than one thread.
+            for (node, row) in buffer.irradiance.chunks_mut(width).enumerate() {
+                self.gather(node, from, row);
+            }
+            return self.push(&mut buffer.irradiance, irradiance, width);
+        }
         buffer.irradiance.par_chunks_mut(CHUNK * width).enumerate().for_each(|(chunk, rows)| {
             for (offset, row) in rows.chunks_mut(width).enumerate() {
                 self.gather(chunk * CHUNK + offset, from, row);
