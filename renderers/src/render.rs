@@ -129,7 +129,7 @@ pub struct BetweenOptions {
 
 impl Default for BetweenOptions {
     fn default() -> Self {
-        Self { accuracy: 0.03, exact: false }
+        Self { accuracy: 0.02, exact: false }
     }
 }
 

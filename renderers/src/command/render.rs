@@ -56,7 +56,7 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "FACTOR", default_value_t = 1.0)]
     exposure: f32,
     /// The relative error of light between surfaces that radiosity aims at.
-    #[arg(long, value_name = "SHARE", default_value_t = 0.03, allow_negative_numbers = true)]
+    #[arg(long, value_name = "SHARE", default_value_t = 0.02, allow_negative_numbers = true)]
     accuracy: f64,
     /// Gather light between surfaces for every camera ray instead of interpolating it.
     #[arg(long)]

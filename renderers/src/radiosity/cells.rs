@@ -75,10 +75,10 @@ impl Form {
 pub(super) trait Gather: Sync {
     /// Numbers in a row.
     fn width(&self) -> usize;
-    /// The irradiance at a place.
-    fn gather(&self, position: DVec3, normal: DVec3, primitive: u32, row: &mut [f64]);
-    /// Tristimulus values of a row on white.
-    fn colour(&self, row: &[f64]) -> [f64; 3];
+    /// How many of them, the first ones, are light; the others bound errors.
+    fn values(&self) -> usize;
+    /// The irradiance at a place, and its tristimulus values.
+    fn gather(&self, position: DVec3, normal: DVec3, primitive: u32, row: &mut [f64]) -> [f64; 3];
 }
 
 /// When cells are good enough.
@@ -114,6 +114,7 @@ struct Triangle {
 #[derive(Clone, Debug, Default)]
 pub(super) struct Cells {
     width: usize,
+    values: usize,
     apices: Vec<DVec3>,
     /// The triangles that each chart starts with.
     bases: Vec<core::ops::Range<u32>>,
@@ -138,7 +139,7 @@ impl Cells {
         gather: &dyn Gather,
         progress: &dyn Fn(u64),
     ) -> Self {
-        let mut cells = Self { width: gather.width(), ..Self::default() };
+        let mut cells = Self { width: gather.width(), values: gather.values(), ..Self::default() };
         for chart in charts {
             cells.add(chart);
         }
@@ -354,8 +355,7 @@ impl Cells {
             .map(|number| {
                 let vertex = &self.vertices[*number as usize];
                 let mut row = vec![0.0; width];
-                gather.gather(vertex.inset, vertex.normal, vertex.primitive, &mut row);
-                let colour = gather.colour(&row);
+                let colour = gather.gather(vertex.inset, vertex.normal, vertex.primitive, &mut row);
                 (row, colour)
             })
             .collect();
@@ -451,27 +451,37 @@ impl Cells {
         let weights = self.weights(triangle, place).map(|w| w.max(0.0));
         let sum: f64 = weights.iter().sum();
         let weights = weights.map(|w| w / sum);
+        let values = self.values;
         let mut add = |vertex: u32, weight: f64| {
             let from = &self.rows[vertex as usize * self.width..][..self.width];
-            row.iter_mut().zip(from).for_each(|(r, f)| *r += weight * f);
+            row[..values].iter_mut().zip(from).for_each(|(r, f)| *r += weight * f);
+            // Errors add up, whatever the sign.
+            row[values..].iter_mut().zip(&from[values..]).for_each(|(r, f)| *r += weight.abs() * f);
         };
         // A quadratic in each direction where the middle of the edge is known, linear elsewhere.
         let mut of_corners = weights;
         for (i, [a, b]) in edges_of(triangle.corners).into_iter().enumerate() {
             let j = (i + 1) % 3;
             let bubble = weights[i] * weights[j];
-            let middle = self.middles.get(&[a.min(b), a.max(b)]).filter(|m| self.colours[**m as usize].is_some());
-            if let Some(middle) = middle {
+            if let Some(middle) = self.bend(a, b) {
                 of_corners[i] -= 2.0 * bubble;
                 of_corners[j] -= 2.0 * bubble;
-                add(*middle, 4.0 * bubble);
+                add(middle, 4.0 * bubble);
             }
         }
         for (vertex, weight) in triangle.corners.into_iter().zip(of_corners) {
             add(vertex, weight);
         }
-        row.iter_mut().for_each(|r| *r = r.max(0.0));
         true
+    }
+
+    /// The middle of an edge if irradiance may be a quadratic through it: one that is not negative anywhere.
+    fn bend(&self, a: u32, b: u32) -> Option<u32> {
+        let middle = *self.middles.get(&[a.min(b), a.max(b)])?;
+        let [_, y, _] = self.colours[middle as usize]?;
+        let [from, to] = [a, b].map(|n| self.colour(n)[1]);
+        // As a Bézier curve: its inner ordinate is not negative, which is enough.
+        (4.0 * y >= from + to).then_some(middle)
     }
 }
 

@@ -40,7 +40,7 @@ impl<'s> Place<'s> {
     }
 
     /// A place on a primitive.
-    pub(super) fn on(patches: &'s Patches, position: DVec3, normal: DVec3, primitive: u32) -> Self {
+    fn on(patches: &'s Patches, position: DVec3, normal: DVec3, primitive: u32) -> Self {
         let point = surface_point(position, normal, primitive);
         Self { patches, position, normal, point, end: ShaftEnd::within(position, position, primitive) }
     }
@@ -136,12 +136,6 @@ impl Solution<'_> {
             sum.iter_mut().zip(radiosity).for_each(|(s, b)| *s += part.seen * b);
         }
         sum
-    }
-
-    /// Indirect irradiance at a place by the means over patches alone; groups of patches that change less than `share` of it each count as
-    /// one.
-    pub(super) fn gathered(&self, place: &Place<'_>, share: f64) -> Vec<f64> {
-        self.look(place, share / self.radiosity.settings.accuracy, f64::INFINITY).0
     }
 
     /// Irradiance at a place, without that of the near parts.

@@ -194,7 +194,7 @@ impl Radiosity {
         progress: &(dyn Fn(f64) + Sync),
     ) -> Result<Self, RadiosityError> {
         let mut patches = Patches::new(scene, settings.others, palette)?;
-        if scene.shapes.is_empty() {
+        if patches.roots == 0 {
             return Err(RadiosityError::NothingDiffuse);
         }
         let sources = Source::all(scene, palette)?;

@@ -5,13 +5,19 @@ use std::collections::HashMap;
 use glam::DVec3;
 
 use super::Solution;
+use rayon::prelude::*;
+
 use super::cells::{Cells, Chart, Form, GENERATIONS, Gather, Goal, Seen};
-use super::gather::Place;
-use super::mesh::icosahedron;
-use super::rays::Lookup;
+use super::mesh::{Patches, icosahedron};
+use super::rays::{Lookup, Part};
+use super::representation::light;
+use super::sight::surface_point;
+use super::transport::Buffer;
+use crate::direct::Receiver;
 use crate::geometry::{Hit, NO_PRIMITIVE};
 use crate::scene::{Geometry, Scene};
-use crate::whitted::Indirect;
+use crate::spectral::{Factor, FactorOrder};
+use crate::whitted::{Indirect, Whitted, Worker};
 
 /// How indirect light is gathered for pictures.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -33,17 +39,14 @@ enum Patched {
     Sphere { first: u32, centre: DVec3, radius: f64, reach: f64 },
 }
 
-/// The colour of a row on white: tristimulus values.
-type ColourOf<'c> = dyn Fn(&[f64]) -> [f64; 3] + Sync + 'c;
-
 /// Indirect irradiance on the surfaces of a scene.
 pub struct Field<'s> {
     solution: &'s Solution<'s>,
-    /// Patches that count as one in a final gather.
-    share: f64,
-    /// Rays of other gathers, and how they find patches.
+    /// Rays of a gather, and how they find parts of patches.
     rays: u32,
     lookup: Lookup,
+    /// The radiosity of these, row by row.
+    radiosity: Vec<f64>,
     shapes: Vec<Patched>,
     charts: HashMap<(u32, bool), u32>,
     cells: Option<Cells>,
@@ -53,39 +56,39 @@ impl<'s> Field<'s> {
     /// How many steps it takes to make one.
     pub const STEPS: u64 = GENERATIONS as u64;
 
-    /// Prepares for the places that the camera sees; `progress` is told of steps that are done. `colour` gives the tristimulus values of a row of the solution on white.
+    /// Prepares for the places that the camera sees; `progress` is told of steps that are done.
+    ///
+    /// `guide`, a solution for the same patches, tells where light is to be gathered: with the same guide, the places are the same for all
+    /// representations of spectra. `whitted` is the same scene, for direct light.
     #[must_use]
     pub fn new(
         scene: &Scene,
-        solution: &'s Solution<'s>,
+        whitted: &Whitted,
+        [solution, guide]: [&'s Solution<'s>; 2],
         settings: FieldSettings,
         seen: &[Hit],
-        colour: &ColourOf<'_>,
         progress: &(dyn Fn(u64) + Sync),
     ) -> Self {
-        let mut field = Self {
-            solution,
-            share: SHARE * settings.accuracy,
-            rays: std::env::var("RAYS").map_or(512, |r| r.parse().unwrap_or(512)),
-            lookup: Lookup::new(&solution.radiosity.patches),
-            shapes: patched(scene, solution),
-            charts: HashMap::new(),
-            cells: None,
-        };
+        let patches = &solution.radiosity.patches;
+        let area: f64 = solution.radiosity.transport.areas.iter().sum();
+        let shapes = patched(scene, solution);
+        let lookup = Lookup::new(patches, area / PARTS);
+        let direct = direct(patches, &shapes, &lookup, whitted);
+        let (accuracy, lights) = (settings.accuracy, whitted.light_factors().collect::<Vec<_>>());
+        let radiosity = radiosities(solution, &lookup, &direct, &lights);
+        let mut field =
+            Self { solution, rays: rays(settings), lookup, radiosity, shapes, charts: HashMap::new(), cells: None };
         if settings.exact {
             return field;
         }
         let charts = field.chart(scene);
-        let seen: Vec<Seen> = seen
-            .iter()
-            .filter_map(|hit| Some((*field.charts.get(&field.key(hit)?)?, hit.position.as_dvec3())))
-            .collect();
-        let goal = Goal {
-            tolerance: std::env::var("BEND").map_or(BEND, |r| r.parse().unwrap_or(BEND)) * settings.accuracy,
-            floor: FLOOR,
-            crowd: CROWD,
-        };
-        field.cells = Some(Cells::new(&charts, &seen, goal, &Gathering { field: &field, colour }, progress));
+        let place = |hit: &Hit| Some((*field.charts.get(&field.key(hit)?)?, hit.position.as_dvec3()));
+        let seen: Vec<Seen> = seen.iter().filter_map(place).collect();
+        let goal = Goal { tolerance: (BEND * accuracy).min(MOST_BEND), floor: FLOOR, crowd: CROWD };
+        let rows = radiosities(guide, &field.lookup, &direct, &lights);
+        let colour = |row: &[f64]| guide.representation().colour(&[], row).value;
+        let colours = rows.chunks(guide.width()).map(colour).collect();
+        field.cells = Some(Cells::new(&charts, &seen, goal, &Gathering { field: &field, colours }, progress));
         field
     }
 
@@ -141,14 +144,23 @@ impl<'s> Field<'s> {
         charts
     }
 
-    /// The final gather at a place.
-    fn gather(&self, position: DVec3, normal: DVec3, primitive: u32, row: &mut [f64]) {
-        if self.rays > 0 {
-            row.copy_from_slice(&self.solution.by_rays(&self.lookup, position, normal, primitive, self.rays));
-            return;
+    /// The parts of patches that rays from a place find.
+    fn found(&self, position: DVec3, normal: DVec3, primitive: u32) -> Vec<(u32, f64)> {
+        self.solution.radiosity.patches.found_by_rays(&self.lookup, position, normal, primitive, self.rays)
+    }
+
+    /// Adds up the radiosity of parts of patches.
+    fn add_up(&self, found: &[(u32, f64)], row: &mut [f64]) {
+        let width = self.solution.width();
+        for (part, share) in found {
+            let radiosity = &self.radiosity[*part as usize * width..][..width];
+            row.iter_mut().zip(radiosity).for_each(|(r, b)| *r += share * b);
         }
-        let place = Place::on(&self.solution.radiosity.patches, position, normal, primitive);
-        row.copy_from_slice(&self.solution.gathered(&place, self.share));
+    }
+
+    /// The irradiance at a place.
+    fn gather(&self, position: DVec3, normal: DVec3, primitive: u32, row: &mut [f64]) {
+        self.add_up(&self.found(position, normal, primitive), row);
     }
 }
 
@@ -179,28 +191,87 @@ impl Indirect for Field<'_> {
     }
 }
 
-/// Gathers of a field, with the colours that tell how good interpolation is.
+/// Gathers of a field, with the colours of all parts of patches, which tell how good interpolation is.
 struct Gathering<'f, 's> {
     field: &'f Field<'s>,
-    colour: &'f ColourOf<'f>,
+    colours: Vec<[f64; 3]>,
 }
 
 impl Gather for Gathering<'_, '_> {
     fn width(&self) -> usize {
         self.field.solution.width()
     }
-    fn gather(&self, position: DVec3, normal: DVec3, primitive: u32, row: &mut [f64]) {
-        self.field.gather(position, normal, primitive, row);
+    fn values(&self) -> usize {
+        self.field.solution.representation().values()
     }
-    fn colour(&self, row: &[f64]) -> [f64; 3] {
-        (self.colour)(row)
+    fn gather(&self, position: DVec3, normal: DVec3, primitive: u32, row: &mut [f64]) -> [f64; 3] {
+        let found = self.field.found(position, normal, primitive);
+        self.field.add_up(&found, row);
+        let colour = |part: u32| self.colours.get(part as usize).copied().unwrap_or_default();
+        found.iter().fold([0.0; 3], |sum, (part, share)| core::array::from_fn(|a| sum[a] + share * colour(*part)[a]))
     }
 }
 
-/// Patches that count as one change a gather by at most this share of the accuracy, each.
-const SHARE: f64 = 0.05;
+/// Rays of a gather: between cells they may be fewer, as neighbours' errors differ.
+#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "from 128 to 65536")]
+fn rays(settings: FieldSettings) -> u32 {
+    let count = RAYS / settings.accuracy * if settings.exact { 4.0 } else { 1.0 };
+    count.clamp(128.0, 65536.0) as u32
+}
+
+/// For each part of a patch, the irradiance that comes straight from each light, over the light's radiance; nothing for parts of polyhedra
+/// that stand for round shapes.
+fn direct(patches: &Patches, shapes: &[Patched], lookup: &Lookup, whitted: &Whitted) -> Vec<Option<Vec<f64>>> {
+    let of_part = |worker: &mut Worker<'_>, part: &Part| {
+        let node = &patches.nodes[part.node as usize];
+        let shape = patches.world.shape(node.primitive)?;
+        let Some(Patched::Same([to, from])) = shapes.get(shape as usize) else { return None };
+        let (position, normal) = (part.polygon.centre, part.polygon.normal);
+        let point = surface_point(position, normal, node.primitive - from + to);
+        let contact = 2.0 * f64::from(point.error);
+        Some(worker.direct(&Receiver { point, position, normal, geometric: normal, contact }))
+    };
+    lookup.parts.par_iter().map_init(|| Worker::new(whitted, FactorOrder::Free), of_part).collect()
+}
+
+/// The radiosity of each part of a patch: what it reflects of direct light, as it is in its middle, and of what the patch receives from all
+/// others.
+fn radiosities(solution: &Solution<'_>, lookup: &Lookup, direct: &[Option<Vec<f64>>], lights: &[Factor]) -> Vec<f64> {
+    let (radiosity, representation) = (solution.radiosity, solution.representation());
+    let (transport, width) = (&radiosity.transport, solution.width());
+    let of_node = |node: u32| &solution.nodes[node as usize * width..][..width];
+    let reflected: Vec<f64> = transport.leaves.iter().flat_map(|leaf| of_node(*leaf).iter().copied()).collect();
+    let mut between = vec![0.0; reflected.len()];
+    let bounces = radiosity.settings.bounces;
+    if bounces.is_none() {
+        transport.apply(&reflected, &mut between, width, &mut Buffer::default());
+    }
+    let mut numbers = vec![0; radiosity.patches.nodes.len()];
+    for (number, leaf) in transport.leaves.iter().enumerate() {
+        numbers[*leaf as usize] = number;
+    }
+    let lights: Vec<Vec<f64>> = lights.iter().map(|factor| light(representation, *factor)).collect();
+    let of_part = |(part, direct): (&Part, &Option<Vec<f64>>)| {
+        // What a limited number of reflections leaves is known for whole patches only.
+        let (Some(factors), None | Some(1)) = (direct, bounces) else { return of_node(part.node).to_vec() };
+        let mut row = between[numbers[part.node as usize] * width..][..width].to_vec();
+        for (factor, spectrum) in factors.iter().zip(&lights) {
+            row.iter_mut().zip(spectrum).for_each(|(r, s)| *r += factor * s);
+        }
+        let side = radiosity.patches.nodes[part.node as usize].side;
+        representation.reflect(radiosity.patches.sides[side as usize].reflectance, &mut row);
+        row
+    };
+    lookup.parts.par_iter().zip(direct).flat_map_iter(of_part).collect()
+}
+
+/// Rays of a gather times the accuracy.
+const RAYS: f64 = 8.0;
+/// About as many parts are patches in, for their direct light.
+const PARTS: f64 = 16384.0;
 /// The bend of irradiance along an edge of cells, over the accuracy: they are interpolated by quadratics, which are closer than that.
-const BEND: f64 = 1.0;
+const BEND: f64 = 2.0;
+const MOST_BEND: f64 = 0.1;
 /// What is darker than this share of the mean irradiance is interpolated as if it were as bright as that.
 const FLOOR: f64 = 0.1;
 /// The most of the picture that one cell covers.

@@ -1,10 +1,10 @@
-//! Irradiance at any place from the patches, by rays: less exact than closed forms, and a hundred times as fast.
+//! Irradiance at any place from the patches, by rays: less exact than closed forms, and a hundred times as fast; and it sees shadows of
+//! direct light within patches.
 
 use core::f64::consts::TAU;
 
 use glam::DVec3;
 
-use super::Solution;
 use super::mesh::{LEAF, Patches};
 use super::polygon::Polygon;
 use super::sight::surface_point;
@@ -13,17 +13,30 @@ use crate::geometry::Hit;
 /// The share of a turn between neighbouring rays: the golden section.
 const GOLDEN: f64 = 0.618_033_988_749_894_9;
 
-/// Finds the patch that a place is on.
+/// Finds the part of a patch that a place is on: patches are in parts for their direct light alone.
 #[derive(Clone, Debug)]
 pub(super) struct Lookup {
-    /// For each node, the line between its halves: the first half is where (x, 1)·line ≤ 0; and the first half.
+    /// For each node, and after them for each part of a leaf: the line between its halves, the first half where (x, 1)·line ≤ 0; and the
+    /// first half.
     halves: Vec<([f64; 4], u32)>,
+    /// For each of them, the number of the part if it is one.
+    numbers: Vec<u32>,
+    pub(super) parts: Vec<Part>,
     /// For each primitive, the roots on its back and on its front.
     sides: Vec<[Vec<u32>; 2]>,
 }
 
+/// A part of a leaf.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Part {
+    pub(super) polygon: Polygon,
+    /// The node that it is a part of.
+    pub(super) node: u32,
+}
+
 impl Lookup {
-    pub(super) fn new(patches: &Patches) -> Self {
+    /// Parts of leaves have at most this area.
+    pub(super) fn new(patches: &Patches, largest: f64) -> Self {
         let halves = patches.nodes.iter().map(|node| match node.children() {
             None => ([0.0; 4], LEAF),
             Some([first, _]) => (line(&patches.nodes[first].polygon), node.child),
@@ -33,11 +46,34 @@ impl Lookup {
             let front = patches.blockers[node.primitive as usize].normal.dot(node.polygon.normal) > 0.0;
             sides[node.primitive as usize][usize::from(front)].push(number);
         }
-        Self { halves: halves.collect(), sides }
+        let mut lookup = Self { halves: halves.collect(), numbers: Vec::new(), parts: Vec::new(), sides };
+        lookup.numbers = vec![LEAF; lookup.halves.len()];
+        for leaf in patches.leaves() {
+            let part = Part { polygon: patches.nodes[leaf].polygon, node: u32::try_from(leaf).unwrap_or(LEAF) };
+            lookup.add(leaf, part, largest);
+        }
+        lookup
     }
 
-    /// The leaf that was hit.
-    fn leaf(&self, patches: &Patches, hit: &Hit) -> Option<u32> {
+    fn add(&mut self, place: usize, part: Part, largest: f64) {
+        if part.polygon.area > largest
+            && let Some(halves) = part.polygon.halves()
+        {
+            let child = self.halves.len();
+            self.halves[place] = (line(&halves[0]), u32::try_from(child).unwrap_or(LEAF));
+            self.halves.extend([([0.0; 4], LEAF); 2]);
+            self.numbers.extend([LEAF; 2]);
+            for (offset, polygon) in halves.into_iter().enumerate() {
+                self.add(child + offset, Part { polygon, ..part }, largest);
+            }
+            return;
+        }
+        self.numbers[place] = u32::try_from(self.parts.len()).unwrap_or(LEAF);
+        self.parts.push(part);
+    }
+
+    /// The part that was hit.
+    fn part(&self, patches: &Patches, hit: &Hit) -> Option<u32> {
         let roots = &self.sides.get(hit.primitive as usize)?[usize::from(hit.front)];
         let position = hit.position.as_dvec3();
         let mut node = match roots[..] {
@@ -48,7 +84,7 @@ impl Lookup {
         loop {
             let ([a, b, c, d], child) = self.halves[node as usize];
             if child == LEAF {
-                return Some(node);
+                return self.numbers.get(node as usize).copied();
             }
             let above = a * position.x + b * position.y + c * position.z + d > 0.0;
             node = child + u32::from(above);
@@ -87,37 +123,30 @@ fn nearest(patches: &Patches, roots: &[u32], place: DVec3) -> Option<u32> {
     best
 }
 
-impl Solution<'_> {
-    /// Indirect irradiance at a place by so many rays, spread over the hemisphere like the seeds of a sunflower over its disk: each stands
-    /// for an equal share of the irradiance of an even sky.
-    pub(super) fn by_rays(
+impl Patches {
+    /// The parts that so many rays find, each with its share of them: its configuration factor. The rays are spread over the hemisphere like
+    /// the seeds of a sunflower over its disk, so that each stands for an equal share of the irradiance of an even sky.
+    pub(super) fn found_by_rays(
         &self,
         lookup: &Lookup,
         position: DVec3,
         normal: DVec3,
         primitive: u32,
         count: u32,
-    ) -> Vec<f64> {
-        let patches = &self.radiosity.patches;
+    ) -> Vec<(u32, f64)> {
         let point = surface_point(position, normal, primitive);
         let (u, v) = normal.any_orthonormal_pair();
         let mut hits: Vec<u32> = Vec::with_capacity(count as usize);
         for index in 0..count {
             let squared = (f64::from(index) + 0.5) / f64::from(count);
             let (sine, cosine) = (TAU * (GOLDEN * f64::from(index)).fract()).sin_cos();
-            let radius = squared.sqrt();
-            let direction = (u * cosine + v * sine) * radius + normal * (1.0 - squared).sqrt();
-            let Some(hit) = patches.world.closest_hit(&point.ray(direction.as_vec3a())) else { continue };
-            hits.extend(lookup.leaf(patches, &hit));
+            let direction = (u * cosine + v * sine) * squared.sqrt() + normal * (1.0 - squared).sqrt();
+            let Some(hit) = self.world.closest_hit(&point.ray(direction.as_vec3a())) else { continue };
+            hits.extend(lookup.part(self, &hit));
         }
         hits.sort_unstable();
-        let mut row = vec![0.0; self.width];
-        for same in hits.chunk_by(|a, b| a == b) {
-            #[allow(clippy::cast_precision_loss, reason = "a count of rays")]
-            let share = same.len() as f64 / f64::from(count);
-            let radiosity = &self.nodes[same[0] as usize * self.width..][..self.width];
-            row.iter_mut().zip(radiosity).for_each(|(r, b)| *r += share * b);
-        }
-        row
+        #[allow(clippy::cast_precision_loss, reason = "a count of rays")]
+        let share = |same: &[u32]| (same[0], same.len() as f64 / f64::from(count));
+        hits.chunk_by(|a, b| a == b).map(share).collect()
     }
 }

@@ -5,10 +5,16 @@ use std::time::Instant;
 use spectral_core::bilinear::Tensor;
 
 use super::{BetweenOptions, Frame, Options, Pixels, Spectra, Watch, prefiltered};
-use crate::radiosity::{self, Field, FieldSettings, Others, Radiosity, Report, Representation};
+use crate::radiosity::{self, Field, FieldSettings, Others, Radiosity, Report, Solution};
 use crate::scene::{Integrator, Scene};
-use crate::spectral::{ComponentResolver, Components, Palette, Resolver, Uniform, UniformBins, WithGathered};
+use crate::spectral::{
+    ComponentResolver, Components, IntervalMemory, IntervalSettings, Intervals, Palette, Resolver, SharedIntervals,
+    Uniform, UniformBins, WithGathered,
+};
 use crate::whitted::RenderError;
+
+/// Bins of the spectra that tell where light is gathered.
+const GUIDE_BINS: usize = 12;
 
 /// What became of the light between surfaces, for reports.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -31,28 +37,39 @@ pub(super) fn render(
 ) -> Result<(Pixels, bool, BetweenReport), RenderError> {
     let start = Instant::now();
     let radiosity = build(scene, &options.between, &mut palette, watch)?;
-    let job = Job { scene, options, radiosity: &radiosity, frame, start, built: start.elapsed().as_secs_f64(), watch };
+    let built = start.elapsed().as_secs_f64();
+    let guide = UniformBins::new(&palette, GUIDE_BINS).map_err(RenderError::new)?;
+    let job = Job { scene, options, radiosity: &radiosity, guide: &guide, frame, start, built, watch };
+    let solve = |representation| radiosity.solve(representation).map_err(|e| RenderError::new(e.to_string()));
     match options.spectra {
-        Spectra::Interval(_) => Err(RenderError::new("radiosity has no intervals yet: use uniform:N")),
+        Spectra::Interval(settings) => {
+            // Direct and indirect light each have half of the error.
+            let settings = IntervalSettings { threshold: settings.threshold / 2.0, ..settings };
+            let mut memory = IntervalMemory::default();
+            let shared = SharedIntervals::new(&palette, settings, &mut memory).map_err(RenderError::new)?;
+            let solution =
+                radiosity.solve_intervals(&palette, &settings).map_err(|e| RenderError::new(e.to_string()))?;
+            job.trace(&solution, || Intervals::new(&shared))
+        }
         Spectra::Uniform(count) => {
             let bins = UniformBins::new(&palette, count).map_err(RenderError::new)?;
-            job.trace(&bins, || Uniform::new(&bins))
+            job.trace(&solve(&bins)?, || Uniform::new(&bins))
         }
         Spectra::Smits => {
             let bins = UniformBins::smits(&palette).map_err(RenderError::new)?;
-            job.trace(&bins, || Uniform::new(&bins))
+            job.trace(&solve(&bins)?, || Uniform::new(&bins))
         }
         Spectra::Rgb => {
             let components = Components::naive(&palette).map_err(RenderError::new)?;
-            job.trace(&components, || ComponentResolver::new(&components))
+            job.trace(&solve(&components)?, || ComponentResolver::new(&components))
         }
         Spectra::RgbPrefiltered => {
             let components = prefiltered(scene, &palette)?;
-            job.trace(&components, || ComponentResolver::new(&components))
+            job.trace(&solve(&components)?, || ComponentResolver::new(&components))
         }
         Spectra::Bilinear => {
             let components = Components::bilinear(&palette, &Tensor::rec_709()).map_err(RenderError::new)?;
-            job.trace(&components, || ComponentResolver::new(&components))
+            job.trace(&solve(&components)?, || ComponentResolver::new(&components))
         }
     }
 }
@@ -93,6 +110,7 @@ struct Job<'s> {
     scene: &'s Scene,
     options: &'s Options,
     radiosity: &'s Radiosity,
+    guide: &'s UniformBins,
     frame: Frame<'s>,
     start: Instant,
     built: f64,
@@ -102,18 +120,18 @@ struct Job<'s> {
 impl Job<'_> {
     fn trace<R: Resolver>(
         self,
-        representation: &dyn Representation,
+        solution: &Solution<'_>,
         new_resolver: impl Fn() -> R + Sync,
     ) -> Result<(Pixels, bool, BetweenReport), RenderError> {
-        let Self { scene, options, radiosity, frame, start, built, watch } = self;
-        let solution = radiosity.solve(representation).map_err(|e| RenderError::new(e.to_string()))?;
+        let Self { scene, options, radiosity, guide, frame, start, built, watch } = self;
+        let representation = solution.representation();
         let solved = start.elapsed().as_secs_f64();
         let BetweenOptions { accuracy, exact } = options.between;
         let seen = frame.seen();
         watch.stage("light between surfaces", Field::STEPS);
         let settings = FieldSettings { accuracy, exact };
-        let white = |row: &[f64]| representation.colour(&[], row).value;
-        let field = Field::new(scene, &solution, settings, &seen, &white, &|steps| watch.add(steps));
+        let guide = radiosity.solve(guide).map_err(|e| RenderError::new(e.to_string()))?;
+        let field = Field::new(scene, frame.scene, [solution, &guide], settings, &seen, &|steps| watch.add(steps));
         let gathered = start.elapsed().as_secs_f64();
         let report = BetweenReport {
             radiosity: *solution.report(),
@@ -121,12 +139,13 @@ impl Job<'_> {
             seconds: [built, solved - built, gathered - solved],
         };
         let is_bounded = matches!(options.spectra, Spectra::Interval(_));
+        let bounded = is_bounded.then(|| representation.intervals());
         let colour = |leaves: &[u32], row: &[f64]| {
             let colour = representation.colour(leaves, row);
             [colour.value, colour.radius]
         };
         let frame = Frame { indirect: Some(&field), ..frame };
-        let pixels = frame.trace(start, || WithGathered::new(new_resolver(), &colour, is_bounded));
+        let pixels = frame.trace(start, || WithGathered::new(new_resolver(), &colour, bounded));
         Ok((pixels, is_bounded, report))
     }
 }

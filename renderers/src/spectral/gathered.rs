@@ -19,17 +19,17 @@ const MEAN_WAVELENGTH: f64 = 587.5618;
 pub struct WithGathered<'c, R> {
     inner: R,
     colour: &'c RowColour<'c>,
-    /// Whether the representation has a bound.
-    is_bounded: bool,
+    /// The intervals of the representation, if it has a bound.
+    bounded: Option<usize>,
     /// For each product, the sum of rows.
     sums: Vec<(Monomial, Vec<f64>)>,
     used: usize,
 }
 
 impl<'c, R> WithGathered<'c, R> {
-    /// A resolver with rows of a representation whose colours `colour` makes.
-    pub const fn new(inner: R, colour: &'c RowColour<'c>, is_bounded: bool) -> Self {
-        Self { inner, colour, is_bounded, sums: Vec::new(), used: 0 }
+    /// A resolver with rows of a representation whose colours `colour` makes, and which has so many intervals if it has a bound.
+    pub const fn new(inner: R, colour: &'c RowColour<'c>, bounded: Option<usize>) -> Self {
+        Self { inner, colour, bounded, sums: Vec::new(), used: 0 }
     }
 
     fn add(&mut self, monomial: Monomial, weight: f64, row: &[f64]) {
@@ -90,7 +90,8 @@ impl<R: Resolver> Resolver for WithGathered<'_, R> {
         colour.xyz = core::array::from_fn(|a| colour.xyz[a] + value[a]);
         let rounding = |a: usize| 4.0 * f64::EPSILON * (colour.xyz[a].abs() + radius[a]);
         colour.radius = core::array::from_fn(|a| colour.radius[a] + radius[a] + rounding(a));
-        if self.is_bounded {
+        if let Some(intervals) = self.bounded {
+            colour.intervals += intervals;
             let [xyz, radius] = [colour.xyz, colour.radius].map(|v| v.map(|v| v * Y_INTEGRAL));
             colour.delta_e = delta_e_bound(xyz, radius, rgb::WHITE.map(|w| w * Y_INTEGRAL)).delta_e;
         }

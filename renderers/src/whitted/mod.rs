@@ -552,6 +552,26 @@ impl<'s> Worker<'s> {
     }
 }
 
+impl Whitted {
+    /// The spectra of the lights.
+    pub(crate) fn light_factors(&self) -> impl Iterator<Item = Factor> {
+        self.lights.iter().map(Light::factor)
+    }
+}
+
+impl Worker<'_> {
+    /// Irradiance from each light, over its radiance (over its intensity or irradiance for lights without area).
+    pub(crate) fn direct(&mut self, receiver: &Receiver) -> Vec<f64> {
+        let count = self.scene.lights.len();
+        let of_light = |number: usize| {
+            let mut irradiance = 0.0;
+            self.illuminate(number, receiver, 0, |part| irradiance += part.irradiance);
+            irradiance
+        };
+        (0..count).map(of_light).collect()
+    }
+}
+
 impl Tracer for Worker<'_> {
     fn monomials(&self) -> &Monomials {
         &self.monomials
