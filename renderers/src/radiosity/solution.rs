@@ -2,12 +2,9 @@
 
 use super::basis::{Basis, components};
 use super::mesh::Side;
+use super::polish::Polished;
 use super::{Radiosity, Report};
 use crate::spectral::Factor;
-
-/// What sampled visibility leaves in open spaces, where no sum of form factors is known beforehand: the most found in the Cornell box, in the
-/// gap between its blocks, whatever the accuracy that was asked for.
-const LEFT_IN_OPEN_SPACES: f64 = 0.04;
 
 /// The radiosity of all patches of a scene, for some components of the spectrum.
 #[derive(Clone, Debug)]
@@ -21,7 +18,10 @@ pub struct Solution<'r> {
     /// For each node, the largest range of a component among its leaves, relative to the scene's mean.
     pub(super) spreads: Vec<f64>,
     pub(super) lights: Lights,
-    report: Report,
+    pub(super) polished: Polished,
+    pub(super) report: Report,
+    /// Reflected radiosity of the patches as it was solved for, row by row: no light is lost.
+    solved: Vec<f64>,
 }
 
 /// The components of what radiosity is made from, row by row.
@@ -70,7 +70,17 @@ impl<'r> Solution<'r> {
             |row: &[f64]| row.iter().zip(&means).map(|(b, m)| relative(b.abs(), *m)).sum::<f64>() / width as f64;
         let levels = nodes.chunks(width).map(level).collect();
         let spreads = spreads(radiosity, width, &nodes, &means, relative);
-        Self { radiosity, width, nodes, levels, spreads, lights: Lights::new(radiosity, basis), report }
+        Self {
+            radiosity,
+            width,
+            nodes,
+            levels,
+            spreads,
+            lights: Lights::new(radiosity, basis),
+            polished: Polished::default(),
+            report,
+            solved: reflected.to_vec(),
+        }
     }
 
     /// How many components of the spectrum there are.
@@ -86,12 +96,13 @@ impl<'r> Solution<'r> {
     /// The relative error to be expected: several times what was aimed at, as has been measured, and that of the iteration.
     pub(super) fn relative_error(&self) -> f64 {
         let accuracy = self.radiosity.settings.accuracy;
-        let measured = match (self.report.uncertain_links > 0, self.report.closed < 1.0) {
-            (true, true) => (6.0 * accuracy).max(LEFT_IN_OPEN_SPACES),
-            (true, false) => 6.0 * accuracy,
+        let measured = match (self.report.uncertain_links > 0, self.report.points > 0) {
+            // Without points, patches of one radiosity.
+            (true, false) => (0.5 * accuracy.sqrt()).max(6.0 * accuracy),
+            (true, true) => 3.0 * accuracy,
             // Patches of one radiosity under an uneven light leave an error in proportion to their size.
-            (false, true) => (0.3 * accuracy.sqrt()).max(3.0 * accuracy),
-            (false, false) => 3.0 * accuracy,
+            (false, _) if self.report.closed < 1.0 => (0.3 * accuracy.sqrt()).max(3.0 * accuracy),
+            (false, _) => 3.0 * accuracy,
         };
         measured + self.report.iteration_error
     }
@@ -99,8 +110,7 @@ impl<'r> Solution<'r> {
     /// Reflected radiosity of each patch in the unit of the lights' radiance times sr, with the patch's area: one value for each component.
     pub fn patches(&self) -> impl Iterator<Item = (&[f64], f64)> {
         let transport = &self.radiosity.transport;
-        let row = |leaf: &u32| &self.nodes[*leaf as usize * self.width..][..self.width];
-        transport.leaves.iter().map(row).zip(transport.areas.iter().copied())
+        self.solved.chunks(self.width).zip(transport.areas.iter().copied())
     }
 }
 
