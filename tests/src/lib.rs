@@ -5,6 +5,7 @@ extern crate alloc;
 pub mod certify;
 pub mod dense;
 pub mod generators;
+pub mod irradiance;
 pub mod program;
 pub mod quadrature;
 pub mod statistics;

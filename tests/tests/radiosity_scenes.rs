@@ -10,6 +10,7 @@ use renderers::radiosity::{Flat, IndirectRadiosity, Radiosity, Representation, S
 use renderers::scene::{Scene, Source, builtin, load};
 use renderers::spectral::{Components, Factor, Palette, UniformBins};
 use spectral_tests::generators::Draw;
+use spectral_tests::irradiance::{Walker, spectra};
 
 /// A room of 2 m, open to −y, with a block on the floor and a lamp under the ceiling; all surfaces reflect the same.
 const RHO: f64 = 0.6;
@@ -77,7 +78,7 @@ fn traced(world: &World, lamp: u32, position: [f64; 3], normal: [f64; 3], paths:
 fn agrees_with_random_walks() {
     let scene = room();
     let world = direct::world(&scene).unwrap();
-    let settings = Settings { accuracy: 1e-3, ..Settings::default() };
+    let settings = Settings { accuracy: 3e-3, ..Settings::default() };
     let radiosity = Radiosity::new(&scene, &settings, &mut Palette::default(), &|_| {}).unwrap();
     let solution = radiosity.solve(&Flat).unwrap();
     for (position, normal) in [
@@ -89,8 +90,7 @@ fn agrees_with_random_walks() {
     ] {
         let found = solution.indirect(&Receiver::new(position, normal).unwrap())[0];
         let (exact, deviation) = traced(&world, 5, position, normal, 400_000);
-        // Four standard deviations, and what patches of one radiosity leave: most in the block's shade.
-        let tolerance = 4.0 * deviation + 0.015 * exact;
+        let tolerance = 4.0 * deviation + 3.0 * settings.accuracy * exact;
         assert!((found - exact).abs() <= tolerance, "{position:?}: {found}, by paths {exact} ± {deviation}");
     }
 }
@@ -158,34 +158,86 @@ fn one_operator_serves_all_spectra() {
     assert_eq!(found.spectrum.unwrap().values, values);
 }
 
-/// `independent`: indirect illuminance in lx with its standard deviation, by 1.6e7 paths of Mitsuba 3.9.1 for each point
-/// (tests/peers/cornell_irradiance.py) less the direct part, which is exact.
+/// `independent`: indirect illuminance in lx with its standard deviation, by random walks (tests/src/bin/trace_irradiance.rs).
+const WALKS: &str = include_str!("../data/cornell_irradiance.csv");
+
+/// Position, normal, lux, deviation.
+fn walks() -> impl Iterator<Item = [f64; 8]> {
+    let row = |line: &str| line.split(", ").map(|x| x.parse().unwrap()).collect::<Vec<f64>>().try_into().unwrap();
+    WALKS.lines().filter(|line| !line.starts_with('#')).map(row)
+}
+
+/// The bins that the walks were weighted with.
+fn walked_bins(scene: &Scene, palette: &mut Palette) -> UniformBins {
+    spectra(scene, palette);
+    UniformBins::new(palette, 8).unwrap()
+}
+
 #[test]
-fn cornell_box_agrees_with_mitsuba() {
+fn cornell_box_is_as_accurate_as_asked_for() {
+    let scene = builtin::load("cornell-box", &[]).unwrap();
+    for accuracy in [3e-2, 1e-2] {
+        let mut palette = Palette::default();
+        let settings = Settings { accuracy, ..Settings::default() };
+        let radiosity = Radiosity::new(&scene, &settings, &mut palette, &|_| {}).unwrap();
+        let bins = walked_bins(&scene, &mut palette);
+        let solution = radiosity.solve(&bins).unwrap();
+        assert!(solution.report().points > 0);
+        let light = IndirectRadiosity::new(&solution, &bins).unwrap();
+        let mut count = 0;
+        for [x, y, z, nx, ny, nz, lux, deviation] in walks() {
+            let vector = renderers::scene::glam::DVec3::new;
+            let found = renderers::illuminance::IndirectLight::irradiance(&light, vector(x, y, z), vector(nx, ny, nz));
+            let off = (found.lux - lux).abs();
+            assert!(off <= 4.0 * deviation + 3.0 * accuracy * lux, "{accuracy}: {x} {y} {z}: {} {lux}", found.lux);
+            assert!(
+                off <= 4.0 * deviation + found.error,
+                "{accuracy}: {x} {y} {z}: {} ± {} {lux}",
+                found.lux,
+                found.error
+            );
+            count += 1;
+        }
+        assert!(count >= 48);
+    }
+}
+
+/// The table of walks is what they find, up to chance.
+#[test]
+fn walks_find_what_is_in_their_table() {
     let scene = builtin::load("cornell-box", &[]).unwrap();
     let mut palette = Palette::default();
-    let settings = Settings { accuracy: 1e-3, ..Settings::default() };
-    let radiosity = Radiosity::new(&scene, &settings, &mut palette, &|_| {}).unwrap();
+    let bins = walked_bins(&scene, &mut palette);
+    let walker = Walker::new(&scene, &mut palette, &bins).unwrap();
+    for [x, y, z, nx, ny, nz, lux, deviation] in walks().step_by(5) {
+        let found = walker.indirect(&Receiver::new([x, y, z], [nx, ny, nz]).unwrap(), 16);
+        let score = (found.mean - lux) / found.deviation.hypot(deviation);
+        assert!(score.abs() <= 4.5, "{x} {y} {z}: {found:?} {lux}");
+    }
+}
+
+/// `independent`: illuminance in lx with its standard deviation, by 1.6e7 paths of Mitsuba 3.9.1 for each point
+/// (tests/peers/cornell_irradiance.py), and its direct part, which is exact.
+#[test]
+fn walks_agree_with_mitsuba() {
+    let scene = builtin::load("cornell-box", &[]).unwrap();
+    let mut palette = Palette::default();
+    spectra(&scene, &mut palette);
     let bins = UniformBins::new(&palette, 81).unwrap();
-    let solution = radiosity.solve(&bins).unwrap();
-    let light = IndirectRadiosity::new(&solution, &bins).unwrap();
-    // The last number is the accuracy that is known to be kept: 4 % in the gap between the blocks, 12 mm beside one; 1.5 % beside
-    // contacts; 1 % elsewhere. Four standard deviations of the reference come on top. The request of 0.1 % is not met.
-    for (position, normal, total, deviation, direct, tolerance) in [
-        ([278.0, 1.0, 279.5], [0.0, 1.0, 0.0], 138_897.1, 171.0, 96_420.5, 0.04),
-        ([100.0, 1.0, 100.0], [0.0, 1.0, 0.0], 17_609.7, 9.0, 0.0, 0.015),
-        ([400.0, 1.0, 120.0], [0.0, 1.0, 0.0], 122_617.8, 256.0, 102_152.0, 0.01),
-        ([100.0, 1.0, 450.0], [0.0, 1.0, 0.0], 148_177.0, 258.6, 91_159.6, 0.01),
-        ([278.0, 274.4, 558.0], [0.0, 0.0, -1.0], 178_629.2, 216.6, 127_835.0, 0.01),
-        ([1.5, 300.0, 200.0], [1.0, 0.0, 0.0], 180_203.7, 295.9, 129_919.0, 0.01),
-        ([188.0, 166.0, 165.0], [0.0, 1.0, 0.0], 241_475.9, 385.1, 203_651.0, 0.01),
-        ([550.0, 1.0, 279.0], [0.0, 1.0, 0.0], 13_896.5, 13.4, 196.316, 0.015),
+    let walker = Walker::new(&scene, &mut palette, &bins).unwrap();
+    for (position, normal, total, deviation, direct) in [
+        ([278.0, 1.0, 279.5], [0.0, 1.0, 0.0], 138_897.1, 171.0, 96_420.5),
+        ([100.0, 1.0, 100.0], [0.0, 1.0, 0.0], 17_609.7, 9.0, 0.0),
+        ([400.0, 1.0, 120.0], [0.0, 1.0, 0.0], 122_617.8, 256.0, 102_152.0),
+        ([100.0, 1.0, 450.0], [0.0, 1.0, 0.0], 148_177.0, 258.6, 91_159.6),
+        ([278.0, 274.4, 558.0], [0.0, 0.0, -1.0], 178_629.2, 216.6, 127_835.0),
+        ([1.5, 300.0, 200.0], [1.0, 0.0, 0.0], 180_203.7, 295.9, 129_919.0),
+        ([188.0, 166.0, 165.0], [0.0, 1.0, 0.0], 241_475.9, 385.1, 203_651.0),
+        ([550.0, 1.0, 279.0], [0.0, 1.0, 0.0], 13_896.5, 13.4, 196.316),
     ] {
-        let vector = renderers::scene::glam::DVec3::from_array;
-        let found = renderers::illuminance::IndirectLight::irradiance(&light, vector(position), vector(normal));
+        let found = walker.indirect(&Receiver::new(position, normal).unwrap(), 64);
         let indirect: f64 = total - direct;
-        let off = (found.lux - indirect).abs();
-        assert!(off <= 4.0 * deviation + tolerance * indirect, "{position:?}: {} lx, by paths {indirect}", found.lux);
-        assert!(off <= 4.0 * deviation + found.error, "{position:?}: {} ± {} lx, {indirect}", found.lux, found.error);
+        let score = (found.mean - indirect) / found.deviation.hypot(deviation);
+        assert!(score.abs() <= 4.0, "{position:?}: {found:?}, by paths {indirect} ± {deviation}");
     }
 }

@@ -151,7 +151,7 @@ fn escapes(patches: &Patches, leaves: &[u32]) -> Vec<bool> {
             let way: Vec3A = square_to_cosine_hemisphere([single(c), single(d)]);
             let from = surface_point(node.polygon.point([a, b]), node.polygon.normal, node.primitive);
             let hit = patches.world.closest_hit(&from.ray(u * way.x + v * way.y + normal * way.z));
-            !hit.is_some_and(|hit| is_patch[hit.primitive as usize][usize::from(hit.front)])
+            !hit.is_some_and(|hit| is_patch[patches.face[hit.primitive as usize] as usize][usize::from(hit.front)])
         })
     };
     leaves.par_iter().map(escapes).collect()

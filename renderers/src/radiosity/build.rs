@@ -14,8 +14,12 @@ use crate::spectral::Palette;
 const PASSES: i32 = 3;
 /// The error of the solutions that refinement looks at.
 const ROUGH: f64 = 1e-3;
-/// The flux that a link may put in the wrong place, as a share of all, over the accuracy asked for.
-const LINK_SHARE: f64 = 0.01;
+/// The relative error of irradiance times area that a link may cause, over the accuracy asked for and the lit area.
+const LINK_SHARE: f64 = 0.015;
+/// How much the unevenness of light that comes straight from lamps counts: it is computed point by point.
+const LAMP: f64 = 0.2;
+/// Irradiance under this share of what is typical counts as this share.
+const DARKNESS: f64 = 0.03;
 /// The same for a light and a patch.
 const SOURCE_SHARE: f64 = 0.03;
 
@@ -64,21 +68,26 @@ impl<'s> Builder<'s> {
             return Ok(Vec::new());
         }
         let mut buffer = Buffer::default();
-        let mut oracle =
-            Oracle { radiosity: Vec::new(), reflectance: &self.reflectance, most: 0.0, memory: self.settings.memory };
+        let mut oracle = Oracle {
+            radiosity: Vec::new(),
+            irradiance: Vec::new(),
+            reflectance: &self.reflectance,
+            most: 0.0,
+            memory: self.settings.memory,
+        };
         let mut links = link::of_roots(patches, &oracle)?;
         for pass in 1..=PASSES {
-            let flux;
-            (oracle.radiosity, flux) = self.luminous_radiosity(patches, &links, &mut buffer);
-            oracle.most = LINK_SHARE * self.settings.accuracy * flux * 4.0_f64.powi(PASSES - pass);
+            let area;
+            (oracle.radiosity, oracle.irradiance, area) = self.luminous_values(patches, &links, &mut buffer);
+            oracle.most = LINK_SHARE * self.settings.accuracy * area * 4.0_f64.powi(PASSES - pass);
             links = link::refine(patches, links, &mut oracle)?;
             progress(f64::from(pass) / f64::from(PASSES + 1));
         }
         Ok(links)
     }
 
-    /// Luminous radiosity of all nodes, and the flux of all.
-    fn luminous_radiosity(&self, patches: &Patches, links: &[Link], buffer: &mut Buffer) -> (Vec<f64>, f64) {
+    /// Luminous radiosity and irradiance of all nodes, the latter at least as much as darkness, and the area that is lit.
+    fn luminous_values(&self, patches: &Patches, links: &[Link], buffer: &mut Buffer) -> (Vec<f64>, Vec<f64>, f64) {
         let transport = Transport::new(patches, links);
         let of_side = |values: &[f64]| -> Vec<f64> {
             transport.leaves.iter().map(|leaf| values[patches.nodes[*leaf as usize].side as usize]).collect()
@@ -98,9 +107,19 @@ impl<'s> Builder<'s> {
             None => system.solve(ROUGH, buffer),
         };
         let total: Vec<f64> = solved.reflected.iter().zip(&emitted).map(|(x, e)| x + e).collect();
-        let flux = total.iter().zip(&transport.areas).map(|(b, a)| b * a).sum();
-        let mut nodes = Vec::new();
-        transport.pull(&total, 1, |_| 1.0, &mut nodes);
-        (nodes, flux)
+        let weighted: Vec<f64> = solved.reflected.iter().zip(&emitted).map(|(x, e)| x + LAMP * e).collect();
+        let mut irradiance = vec![0.0; total.len()];
+        transport.apply(&total, &mut irradiance, 1, buffer);
+        irradiance.iter_mut().zip(&system.direct).for_each(|(e, d)| *e += d);
+        let moment = |power| irradiance.iter().zip(&transport.areas).map(|(e, a)| a * e.powi(power)).sum::<f64>();
+        let (flux, square) = (moment(1), moment(2));
+        // Mean irradiance, each place weighted with its own.
+        let typical = if flux > 0.0 { square / flux } else { 1.0 };
+        let mut nodes = [Vec::new(), Vec::new()];
+        transport.pull(&weighted, 1, |_| 1.0, &mut nodes[0]);
+        transport.pull(&irradiance, 1, |_| 1.0, &mut nodes[1]);
+        let [radiosity, mut irradiance] = nodes;
+        irradiance.iter_mut().for_each(|e| *e = e.max(DARKNESS * typical));
+        (radiosity, irradiance, flux / typical)
     }
 }

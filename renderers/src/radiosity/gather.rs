@@ -1,12 +1,14 @@
 //! Irradiance at any place from the patches, each in closed form.
 
+use core::cell::RefCell;
+
 use disk_sampling::Receiver;
 use glam::DVec3;
 
 use super::Solution;
 use super::mesh::{Node, Patches};
 use super::polygon::Polygon;
-use super::shade::{Eye, MOST_BLOCKERS};
+use super::shade::{Cone, Eye, MOST_BLOCKERS};
 use super::sight::{Sight, shaft_end, spread, surface_point};
 use crate::geometry::{Shaft, ShaftEnd, SurfacePoint};
 
@@ -17,12 +19,12 @@ const RAYS: u32 = 4;
 /// Patches that may be taken for one are those that change the result by less than this share of the accuracy each.
 const SHARE: f64 = 0.01;
 
-/// The same for what near patches receive.
-const SHARE_AGAIN: f64 = 0.3;
-/// Leaves that give more than this share of what is received are near.
-const LARGE: f64 = 2e-3;
+/// Leaves that give more than this share of what is received, times the root of the accuracy, are near.
+const LARGE: f64 = 8e-3;
 /// Their parts give at most so many times that.
-const PARTS: f64 = 4.0;
+const PARTS: f64 = 2.0;
+/// How much more the unevenness of what is partly hidden counts: what is hidden is rarely like what is seen.
+const PARTLY: f64 = 4.0;
 
 /// A receiver, ready for rays.
 pub(super) struct Place<'s> {
@@ -31,6 +33,8 @@ pub(super) struct Place<'s> {
     normal: DVec3,
     point: SurfacePoint,
     end: ShaftEnd,
+    /// What the faces hide that were looked at so far.
+    cones: RefCell<Vec<(u32, Cone)>>,
 }
 
 impl<'s> Place<'s> {
@@ -40,9 +44,16 @@ impl<'s> Place<'s> {
     }
 
     /// A place on a primitive.
-    fn on(patches: &'s Patches, position: DVec3, normal: DVec3, primitive: u32) -> Self {
+    pub(super) fn on(patches: &'s Patches, position: DVec3, normal: DVec3, primitive: u32) -> Self {
         let point = surface_point(position, normal, primitive);
-        Self { patches, position, normal, point, end: ShaftEnd::within(position, position, primitive) }
+        Self {
+            patches,
+            position,
+            normal,
+            point,
+            end: ShaftEnd::within(position, position, primitive),
+            cones: RefCell::default(),
+        }
     }
 
     /// The configuration factor of a polygon that nothing hides: 0 from behind or from its plane.
@@ -71,6 +82,29 @@ impl<'s> Place<'s> {
         let area = |primitive: &u32| self.patches.world.area(*primitive);
         blockers.sort_by(|a, b| area(b).total_cmp(&area(a)));
         Some(blockers)
+    }
+
+    /// Those of some blockers that may be in the way of a part of what they were found for.
+    fn among(&self, blockers: &[u32], polygon: &Polygon) -> Vec<u32> {
+        blockers.iter().copied().filter(|blocker| self.may_hide(*blocker, polygon)).collect()
+    }
+
+    fn may_hide(&self, blocker: u32, polygon: &Polygon) -> bool {
+        let Some(face) = self.patches.face.get(blocker as usize) else { return true };
+        let known = self.cones.borrow().iter().position(|(of, _)| of == face);
+        let index = known.unwrap_or_else(|| {
+            let cone = Cone::new(Eye::At(self.position), &self.patches.blockers[*face as usize]);
+            self.cones.borrow_mut().push((*face, cone));
+            self.cones.borrow().len() - 1
+        });
+        self.cones.borrow()[index].1.may_reach(polygon, self.patches.slack)
+    }
+
+    /// Whether one of some blockers hides all of a polygon; without a list, whichever is before its middle.
+    fn is_behind_one(&self, polygon: &Polygon, primitive: u32, blockers: Option<&[u32]>) -> bool {
+        let Some(blockers) = blockers else { return self.is_hidden(polygon, primitive) };
+        let hides = |b: &u32| self.patches.sight_past(*b, &[self.position], polygon.corners()) == Sight::Blocked;
+        blockers.iter().any(hides)
     }
 
     /// The configuration factor of the parts of a polygon that are seen among so many blockers.
@@ -108,11 +142,13 @@ struct Look<'l> {
     large: f64,
 }
 
-/// A part of a near leaf, with the configuration factor of what is seen of it.
-struct Near {
-    polygon: Polygon,
-    node: usize,
-    seen: f64,
+/// The configuration factor of what is seen of something with a radiosity.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Entry {
+    /// Of a patch or a group of them.
+    Node(u32, f64),
+    /// Counted for a point of a patch.
+    Point(u32, f64),
 }
 
 impl Solution<'_> {
@@ -120,67 +156,76 @@ impl Solution<'_> {
     /// component of the spectrum, in the unit of the lights' radiance times sr.
     ///
     /// The patches' configuration factors are exact where nothing blocks, so that the result is exact under patches of uniform radiosity;
-    /// groups of patches count as one where that changes little for the accuracy that was asked for. The radiosity of near patches is
-    /// computed anew from what all others send to them, part by part, where something may block and the number of reflections isn't limited
-    /// (M. C. Reichert,
-    /// "A two-pass radiosity method driven by lights and viewer position", Cornell University, 1992).
+    /// groups of patches count as one where that changes little for the accuracy that was asked for. Where something may block and the number
+    /// of reflections isn't limited, radiosity is linear on near patches, and computed at points of theirs as here ([`Settings::points`]).
+    ///
+    /// The largest relative error at 48 places of the Cornell box, 22 of which are in narrow gaps, in deep shade and 3 to 5 mm beside contacts:
+    /// 1.5 % at an accuracy of 0.01, 2 % at 0.003 (0.5 % at all but one) and 0.6 % at 0.001 (0.3 % at all but one).
+    ///
+    /// [`Settings::points`]: super::Settings::points
     #[must_use]
     pub fn indirect(&self, receiver: &Receiver<f64>) -> Vec<f64> {
         let place = Place::new(&self.radiosity.patches, receiver);
-        let settings = &self.radiosity.settings;
-        // Where nothing blocks, the means over patches are as good and keep all light.
-        let again = settings.bounces.is_none() && self.radiosity.uncertain > 0;
-        let (mut sum, near) = self.look(&place, SHARE, if again { LARGE } else { f64::INFINITY });
-        for part in near {
-            let radiosity = self.radiosity_of(&part);
-            sum.iter_mut().zip(radiosity).for_each(|(s, b)| *s += part.seen * b);
-        }
+        let mut sum = vec![0.0; self.width];
+        self.add_entries(&self.look(&place, SHARE), &mut sum);
         sum
     }
 
-    /// Irradiance at a place, without that of the near parts.
-    fn look(&self, place: &Place<'_>, share: f64, large: f64) -> (Vec<f64>, Vec<Near>) {
-        let (mut sum, mut near) = (vec![0.0; self.width], Vec::new());
+    /// Where the light at a place comes from.
+    pub(super) fn look(&self, place: &Place<'_>, share: f64) -> Vec<Entry> {
+        let mut list = Vec::new();
         let nodes = &self.radiosity.patches.nodes;
         let roots = 0..self.radiosity.patches.roots;
         // What the roots as a whole would give tells what is small.
         let whole: f64 = roots.clone().map(|root| place.factor(&nodes[root].polygon) * self.levels[root]).sum();
-        let look = Look { place, small: self.radiosity.settings.accuracy * share * whole, large: large * whole };
+        let large = if self.polished.is_empty() {
+            f64::INFINITY
+        } else {
+            LARGE * self.radiosity.settings.accuracy.sqrt() * whole
+        };
+        let look = Look { place, small: self.radiosity.settings.accuracy * share * whole, large };
         if whole > 0.0 {
             for root in roots {
-                self.add(&look, root, false, &mut sum, &mut near);
+                self.add(&look, root, None, &mut list);
             }
         }
-        (sum, near)
+        list
     }
 
-    /// The reflected radiosity of a part of a leaf: its mean light from sources, the rest as it is in its middle.
-    fn radiosity_of(&self, part: &Near) -> Vec<f64> {
-        let radiosity = self.radiosity;
-        let patches = &radiosity.patches;
-        let node = Node { polygon: part.polygon, ..patches.nodes[part.node] };
-        let place = Place::on(patches, node.polygon.centre, node.polygon.normal, node.primitive);
-        let (mut sum, _) = self.look(&place, SHARE_AGAIN, f64::INFINITY);
-        let mut add = |factor: f64, row: &[f64]| sum.iter_mut().zip(row).for_each(|(s, l)| *s += factor * l);
-        for (source, spectrum) in radiosity.sources.iter().zip(self.lights.sources.chunks(self.width)) {
-            add(source.irradiance(patches, &node), spectrum);
+    /// Adds the light that a list stands for.
+    pub(super) fn add_entries(&self, list: &[Entry], sum: &mut [f64]) {
+        for entry in list {
+            let (row, factor) = match *entry {
+                Entry::Node(node, factor) => (&self.nodes[node as usize * self.width..][..self.width], factor),
+                Entry::Point(point, factor) => (self.polished.row(point, self.width), factor),
+            };
+            sum.iter_mut().zip(row).for_each(|(s, b)| *s += factor * b);
         }
-        for lamp in patches.nodes[..patches.roots].iter().filter(|n| patches.sides[n.side as usize].emission.is_some())
-        {
+    }
+
+    /// Multiplies irradiance by the reflectance of a side.
+    pub(super) fn reflect(&self, side: u32, row: &mut [f64]) {
+        self.representation.reflect(self.radiosity.patches.sides[side as usize].reflectance, row);
+    }
+
+    /// Adds the light of lamps at a place.
+    pub(super) fn add_lamps(&self, place: &Place<'_>, sum: &mut [f64]) {
+        let patches = &self.radiosity.patches;
+        let shines = |n: &&Node| patches.sides[n.side as usize].emission.is_some();
+        for lamp in patches.nodes[..patches.roots].iter().filter(shines) {
             let factor = place.factor(&lamp.polygon);
             if factor > 0.0 {
                 let blockers = place.blockers(&lamp.polygon, lamp.primitive);
-                let least = radiosity.settings.accuracy * factor;
+                let least = self.radiosity.settings.accuracy * factor;
                 let seen = place.seen_factor(&lamp.polygon, lamp.primitive, blockers.as_deref(), least, DEPTH);
-                add(seen, &self.lights.emission[lamp.side as usize * self.width..][..self.width]);
+                let row = &self.lights.emission[lamp.side as usize * self.width..][..self.width];
+                sum.iter_mut().zip(row).for_each(|(s, l)| *s += seen * l);
             }
         }
-        self.representation.reflect(patches.sides[node.side as usize].reflectance, &mut sum);
-        sum
     }
 
-    /// Adds what a group of patches gives; whether it is certain that nothing hides it is known or not.
-    fn add(&self, look: &Look<'_>, index: usize, clear: bool, sum: &mut [f64], near: &mut Vec<Near>) {
+    /// Adds what a group of patches gives; what may hide the group that it is a part of may be known.
+    fn add(&self, look: &Look<'_>, index: usize, known: Option<&[u32]>, list: &mut Vec<Entry>) {
         let (place, small) = (look.place, look.small);
         let node: &Node = &self.radiosity.patches.nodes[index];
         if !(self.levels[index] > 0.0) {
@@ -190,25 +235,30 @@ impl Solution<'_> {
         if !(factor > 0.0) {
             return;
         }
-        let blockers = if clear { Some(Vec::new()) } else { place.blockers(&node.polygon, node.primitive) };
+        let blockers = match known {
+            Some(known) => Some(place.among(known, &node.polygon)),
+            None => place.blockers(&node.polygon, node.primitive),
+        };
         let clear = blockers.as_ref().is_some_and(Vec::is_empty);
-        if !clear && place.is_hidden(&node.polygon, node.primitive) {
+        if !clear && place.is_behind_one(&node.polygon, node.primitive, blockers.as_deref()) {
             return;
         }
         let varies = match blockers {
             // With few blockers the parts that are seen are known.
-            Some(_) => self.spreads[index],
+            Some(_) => self.spreads[index] * if clear { 1.0 } else { PARTLY },
             None => self.spreads[index] + self.levels[index],
         };
         if let Some(children) = node.children()
             && factor * varies > small
         {
-            children.into_iter().for_each(|child| self.add(look, child, clear, sum, near));
+            children.into_iter().for_each(|child| self.add(look, child, blockers.as_deref(), list));
             return;
         }
         let least = small / (self.levels[index] + self.spreads[index]);
         if node.children().is_none() && factor * self.levels[index] > look.large {
-            self.add_near(look, index, &node.polygon, least, near);
+            let first = list.len();
+            self.add_near(look, index, &node.polygon, blockers.as_deref(), least, list);
+            sum_up(list, first);
             return;
         }
         let seen = if clear {
@@ -216,24 +266,55 @@ impl Solution<'_> {
         } else {
             place.seen_factor(&node.polygon, node.primitive, blockers.as_deref(), least, DEPTH)
         };
-        let radiosity = &self.nodes[index * self.width..][..self.width];
-        sum.iter_mut().zip(radiosity).for_each(|(s, b)| *s += seen * b);
+        if seen > 0.0 {
+            list.push(Entry::Node(u32::try_from(index).unwrap_or(0), seen));
+        }
     }
 
     /// Lists the parts of a near leaf.
-    fn add_near(&self, look: &Look<'_>, node: usize, polygon: &Polygon, least: f64, near: &mut Vec<Near>) {
-        let factor = look.place.factor(polygon);
+    fn add_near(
+        &self,
+        look: &Look<'_>,
+        node: usize,
+        part: &Polygon,
+        known: Option<&[u32]>,
+        least: f64,
+        list: &mut Vec<Entry>,
+    ) {
+        let factor = look.place.factor(part);
         if factor * self.levels[node] > PARTS * look.large
-            && let Some(halves) = polygon.halves()
+            && let Some(halves) = part.halves()
         {
-            halves.iter().for_each(|half| self.add_near(look, node, half, least, near));
+            halves.iter().for_each(|half| self.add_near(look, node, half, known, least, list));
             return;
         }
         let primitive = self.radiosity.patches.nodes[node].primitive;
-        let blockers = look.place.blockers(polygon, primitive);
-        let seen = look.place.seen_factor(polygon, primitive, blockers.as_deref(), least, DEPTH);
-        if seen > 0.0 {
-            near.push(Near { polygon: *polygon, node, seen });
+        let blockers = match known {
+            Some(known) => Some(look.place.among(known, part)),
+            None => look.place.blockers(part, primitive),
+        };
+        let seen = match blockers.as_deref() {
+            Some([]) => factor,
+            blockers => look.place.seen_factor(part, primitive, blockers, least, DEPTH),
+        };
+        if seen > 0.0
+            && let Some(stencil) = self.polished.stencil(node)
+        {
+            list.extend(stencil.at(part.centre).map(|(point, weight)| Entry::Point(point, seen * weight)));
         }
     }
+}
+
+/// Adds up the factors of each point from an index of a list on, where there are few points.
+fn sum_up(list: &mut Vec<Entry>, first: usize) {
+    let mut sums: Vec<(u32, f64)> = Vec::new();
+    for entry in list.drain(first..) {
+        if let Entry::Point(point, factor) = entry {
+            match sums.iter_mut().find(|(other, _)| *other == point) {
+                Some((_, sum)) => *sum += factor,
+                None => sums.push((point, factor)),
+            }
+        }
+    }
+    list.extend(sums.into_iter().map(|(point, sum)| Entry::Point(point, sum)));
 }

@@ -30,6 +30,17 @@ pub(super) struct Side {
     pub(super) emission: Option<Factor>,
 }
 
+/// How a patch is split.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Cut {
+    /// Across its longest edge.
+    Longest,
+    /// Across an edge.
+    Across(u8),
+    /// A triangle's corner is cut off.
+    Corner(u8),
+}
+
 /// A patch or a group of them.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Node {
@@ -51,8 +62,10 @@ pub(super) struct Patches {
     pub(super) roots: usize,
     /// What blocks: every surface, of whatever material.
     pub(super) world: World,
-    /// The polygon of each primitive of the world.
+    /// The polygon of each primitive of the world, or of the face that it is a triangle of.
     pub(super) blockers: Vec<Polygon>,
+    /// The first primitive of the face that each primitive is a part of.
+    pub(super) face: Vec<u32>,
     /// Lengths below this are 0.
     pub(super) slack: f64,
 }
@@ -67,46 +80,58 @@ impl Patches {
     /// Makes patches of a scene; its spectra are added to the palette.
     pub(super) fn new(scene: &Scene, others: Others, palette: &mut Palette) -> Result<Self, RadiosityError> {
         let mut surfaces = Vec::new();
-        let (mut blockers, mut sides, mut faces) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut blockers, mut face, mut sides, mut faces) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
         for (number, shape) in (0..).zip(&scene.shapes) {
             let (surface, polygons) = tessellated(&shape.geometry);
+            let extent = polygons.iter().flatten().flat_map(Polygon::corners);
+            let extent = extent.fold(0.0_f64, |extent, c| extent.max(c.abs().max_element()));
             surfaces.push((number, surface));
             let of_shape = sides_of(scene, shape, others, palette)?;
             let first = sides.len();
             sides.extend(of_shape.iter().map(|(side, _)| *side));
-            for polygon in polygons {
-                let polygon = polygon.ok_or_else(|| RadiosityError::Degenerate { label: shape.label.clone() })?;
+            let polygons: Option<Vec<Polygon>> = polygons.into_iter().collect();
+            let polygons = polygons.ok_or_else(|| RadiosityError::Degenerate { label: shape.label.clone() })?;
+            for (polygon, count) in joined(&polygons, RELATIVE_SLACK * extent) {
                 let primitive = u32::try_from(blockers.len()).unwrap_or(NO_PRIMITIVE);
                 for (place, (_, front)) in of_shape.iter().enumerate() {
                     let side = u32::try_from(first + place).unwrap_or(u32::MAX);
                     faces.push((if *front { polygon } else { polygon.flipped() }, side, primitive));
                 }
-                blockers.push(polygon);
+                blockers.extend(core::iter::repeat_n(polygon, count));
+                face.extend(core::iter::repeat_n(primitive, count));
             }
         }
         let world = World::new(&surfaces).map_err(RadiosityError::Geometry)?;
         let [low, high] = world.bounds();
         let slack = RELATIVE_SLACK * f64::from(low.abs().max(high.abs()).max_element());
         let mut nodes = Vec::new();
-        let neighbours = Neighbours::new(&blockers, slack);
+        let neighbours = Neighbours::new(&blockers, &face, slack);
         for (polygon, side, primitive) in faces {
             for polygon in neighbours.cut(polygon, primitive) {
                 nodes.push(Node { polygon, side, primitive, child: LEAF });
             }
         }
-        Ok(Self { roots: nodes.len(), nodes, sides, world, blockers, slack })
+        Ok(Self { roots: nodes.len(), nodes, sides, world, blockers, face, slack })
     }
 
     /// Gives a patch halves, if it has none; false if it is too small for that.
     pub(super) fn split(&mut self, node: usize) -> bool {
+        self.split_by(node, Cut::Longest)
+    }
+
+    /// The same with a cut that is chosen.
+    pub(super) fn split_by(&mut self, node: usize, cut: Cut) -> bool {
         let parent = self.nodes[node];
         if parent.child != LEAF {
             return true;
         }
         let least = 16.0 * self.slack;
-        let Some(halves) = parent.polygon.halves().filter(|halves| halves.iter().all(|h| h.radius > least)) else {
-            return false;
+        let halves = match cut {
+            Cut::Longest => parent.polygon.halves(),
+            Cut::Across(edge) => parent.polygon.halves_across(edge.into()),
+            Cut::Corner(corner) => parent.polygon.corner_and_rest(corner.into()),
         };
+        let Some(halves) = halves.filter(|halves| halves.iter().all(|h| h.radius > least)) else { return false };
         let Ok(child) = u32::try_from(self.nodes.len()) else { return false };
         self.nodes.extend(halves.map(|polygon| Node { polygon, child: LEAF, ..parent }));
         self.nodes[node].child = child;
@@ -169,6 +194,40 @@ fn tessellated(geometry: &Geometry) -> (Surface, Vec<Option<Polygon>>) {
         Geometry::Sphere { center, radius, inward, .. } => triangulated(sphere(*center, *radius, *inward)),
         Geometry::Mesh(mesh) => triangulated((mesh.positions.clone(), mesh.triangles.clone())),
     }
+}
+
+/// Polygons, with two triangles that follow each other as one if they are halves of a convex quadrilateral; with how many each is made of.
+fn joined(polygons: &[Polygon], slack: f64) -> Vec<(Polygon, usize)> {
+    let (mut result, mut rest) = (Vec::new(), polygons);
+    while let Some((one, others)) = rest.split_first() {
+        let both = others.first().and_then(|other| quadrilateral(one, other, slack));
+        let count = if both.is_some() { 2 } else { 1 };
+        result.push((both.unwrap_or(*one), count));
+        rest = &rest[count..];
+    }
+    result
+}
+
+/// Two triangles with a common edge as one convex quadrilateral, if they are in one plane.
+fn quadrilateral(one: &Polygon, other: &Polygon, slack: f64) -> Option<Polygon> {
+    let ([a, b, c], [d, e, f]) =
+        (<[DVec3; 3]>::try_from(one.corners()).ok()?, <[DVec3; 3]>::try_from(other.corners()).ok()?);
+    let turns = |[a, b, c]: [DVec3; 3]| [[a, b, c], [b, c, a], [c, a, b]];
+    for [a, b, c] in turns([a, b, c]) {
+        for [d, e, f] in turns([d, e, f]) {
+            // The edge from a to b is the other's from e to d.
+            let flat = (f - a).dot(one.normal).abs() <= slack && one.normal.dot(other.normal) > 0.5;
+            let corners = [a, f, b, c];
+            let turn = |i: usize| {
+                let [x, y, z] = [0, 1, 2].map(|k| corners[(i + k) % 4]);
+                (y - x).cross(z - y).dot(one.normal) > 1e-3 * (y - x).length() * (z - y).length()
+            };
+            if a == e && b == d && flat && (0..4).all(turn) {
+                return Polygon::new(&corners, one.normal);
+            }
+        }
+    }
+    None
 }
 
 fn triangulated((positions, triangles): (Vec<DVec3>, Vec<[u32; 3]>)) -> (Surface, Vec<Option<Polygon>>) {
@@ -256,8 +315,10 @@ struct Neighbours<'b> {
 }
 
 impl<'b> Neighbours<'b> {
-    fn new(blockers: &'b [Polygon], slack: f64) -> Self {
-        let mut order: Vec<(f64, usize)> = blockers.iter().map(|b| b.centre.x - b.radius).zip(0..).collect();
+    fn new(blockers: &'b [Polygon], face: &[u32], slack: f64) -> Self {
+        let is_first = |index: &usize| face.get(*index).is_some_and(|first| *first as usize == *index);
+        let begin = |index: usize| (blockers[index].centre.x - blockers[index].radius, index);
+        let mut order: Vec<(f64, usize)> = (0..blockers.len()).filter(is_first).map(begin).collect();
         order.sort_by(|a, b| a.0.total_cmp(&b.0));
         let widest = blockers.iter().fold(0.0_f64, |widest, b| widest.max(2.0 * b.radius));
         Self { blockers, order, widest, slack }

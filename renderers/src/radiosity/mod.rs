@@ -4,10 +4,11 @@
 //! [`Radiosity::solve`] then finds the radiosity of every patch for all components of a spectral representation at once, and
 //! [`Solution::indirect`] the irradiance of reflected light anywhere.
 //!
-//! What is exact and what isn't: form factors where nothing blocks have closed forms (relative error 10⁻¹⁰); whether something blocks is
-//! proven where it can be, and sampled elsewhere; patches have one radiosity each, and links one form factor for a group of patches, split
-//! until the flux that this puts in the wrong place is small. The operator is scaled so that each patch receives from
-//! all around it what it must, and that in closed spaces no light is lost. Disks and
+//! What is exact and what isn't: form factors where nothing blocks have closed forms (relative error 10⁻¹⁰); shadows are cut out exactly
+//! at some points of each patch; patches have one radiosity each, and links one form factor for a group of patches, split until the
+//! unevenness that this hides is small. The operator is scaled so that each patch receives from
+//! all around it what it must, and that in closed spaces no light is lost. Where something may block, radiosity is then computed again at
+//! three or four points of each patch, between which it is linear: what [`Solution::indirect`] sees. Disks and
 //! spheres are polyhedra of the same area: 24-sided and of 320 triangles. Surfaces that are neither diffuse nor two-sided diffuse are refused.
 
 mod adapt;
@@ -27,6 +28,7 @@ mod light;
 mod link;
 mod mesh;
 mod picture;
+mod polish;
 mod polygon;
 mod rays;
 mod representation;
@@ -38,6 +40,7 @@ mod solve;
 mod source;
 mod system;
 mod transport;
+mod view;
 
 pub use error::RadiosityError;
 pub use light::IndirectRadiosity;
@@ -60,14 +63,14 @@ use crate::spectral::Palette;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settings {
     /// Relative error of irradiance that refinement aims at; in (0, 1]. It is no bound: in a cube with a point light the largest error found at
-    /// 600 places was 3 times that, in an open room with a block and a lamp close to the ceiling 5 times (at 0.003). In open
-    /// spaces, sampled visibility and the scaling of sums by it leave more beside surfaces in contact: in the Cornell box at 0.001, 4 % in the
-    /// gap between the blocks (and 2.5 % at 0.0003), 1.5 % beside a wall, 1 % elsewhere.
+    /// 600 places was 3 times that; for the Cornell box see [`Solution::indirect`].
     pub accuracy: f64,
     /// The relative error that the iteration may leave, by the bound residual / (1 − ρ); in (0, 1].
     pub residual: f64,
     /// The most diffuse reflections of light that reaches a receiver; `None` for no limit.
     pub bounces: Option<u32>,
+    /// Whether radiosity is computed at points of patches, too, for [`Solution::indirect`]: without it, this is coarser where something may block.
+    pub points: bool,
     /// The most memory in bytes.
     pub memory: usize,
     /// What becomes of surfaces that are neither diffuse nor two-sided diffuse.
@@ -88,7 +91,7 @@ pub enum Others {
 
 impl Default for Settings {
     fn default() -> Self {
-        Self { accuracy: 3e-3, residual: 1e-8, bounces: None, memory: 2 << 30, others: Others::Refused }
+        Self { accuracy: 3e-3, residual: 1e-8, bounces: None, points: true, memory: 2 << 30, others: Others::Refused }
     }
 }
 
@@ -115,6 +118,8 @@ pub struct Report {
     pub links: usize,
     /// How many of these are partly blocked, or may be.
     pub uncertain_links: usize,
+    /// Points on patches at which radiosity was computed again; 0 if that isn't needed, asked for or affordable.
+    pub points: usize,
     /// Bytes of the operator and of the patches.
     pub bytes: usize,
     /// Share of the patches' area that belongs to closed spaces.

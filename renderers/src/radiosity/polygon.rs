@@ -98,29 +98,43 @@ impl Polygon {
         Self::new(&part[..count], self.normal)
     }
 
-    /// Two halves of about equal size: a triangle from the middle of its longest edge, others from there to the middle of the opposite
-    /// edge. Rectangles stay rectangles. `None` for what is too small to be split.
+    /// Two halves of about equal size, cut across the longest edge. `None` for what is too small to be split.
     pub(super) fn halves(&self) -> Option<[Self; 2]> {
         let n = self.count;
         let length = |i: usize| (self.corners[(i + 1) % n] - self.corners[i]).length_squared();
         // The first of equal ones, whatever their rounding.
-        let longest = (1..n).fold(0, |best, i| if length(i) > length(best) * (1.0 + 1e-9) { i } else { best });
+        self.halves_across((1..n).fold(0, |best, i| if length(i) > length(best) * (1.0 + 1e-9) { i } else { best }))
+    }
+
+    /// Two halves: a triangle is cut from the middle of an edge to the opposite corner, others from there to the middle of the opposite edge.
+    /// Rectangles stay rectangles. `None` for what is too small to be split.
+    pub(super) fn halves_across(&self, edge: usize) -> Option<[Self; 2]> {
+        let (n, edge) = (self.count, edge % self.count);
         let middle = |i: usize| (self.corners[i % n] + self.corners[(i + 1) % n]) / 2.0;
         let half = n / 2;
-        let (cut, end) =
-            (middle(longest), if n == 3 { self.corners[(longest + 2) % n] } else { middle(longest + half) });
+        let (cut, end) = (middle(edge), if n == 3 { self.corners[(edge + 2) % n] } else { middle(edge + half) });
         // From the cut over the corners to the end, and from the end over the others to the cut.
         let mut first = vec![cut];
-        first.extend((1..=half).map(|k| self.corners[(longest + k) % n]));
+        first.extend((1..=half).map(|k| self.corners[(edge + k) % n]));
         first.push(end);
         let mut second = vec![end];
-        second.extend((half + 1..=n).map(|k| self.corners[(longest + k) % n]));
+        second.extend((half + 1..=n).map(|k| self.corners[(edge + k) % n]));
         second.push(cut);
         if n == 3 {
-            first = vec![cut, self.corners[(longest + 1) % n], end];
-            second = vec![end, self.corners[longest], cut];
+            first = vec![cut, self.corners[(edge + 1) % n], end];
+            second = vec![end, self.corners[edge], cut];
         }
         Some([Self::new(&first, self.normal)?, Self::new(&second, self.normal)?])
+    }
+
+    /// A triangle's corner, cut off along the middles of the two edges there, and the rest. `None` for others.
+    pub(super) fn corner_and_rest(&self, corner: usize) -> Option<[Self; 2]> {
+        if self.count != 3 {
+            return None;
+        }
+        let [a, b, c] = [0, 1, 2].map(|k| self.corners[(corner + k) % 3]);
+        let (ab, ac) = ((a + b) / 2.0, (a + c) / 2.0);
+        Some([Self::new(&[a, ab, ac], self.normal)?, Self::new(&[ab, b, c, ac], self.normal)?])
     }
 
     /// The triangles of the fan about the first corner.

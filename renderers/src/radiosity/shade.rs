@@ -39,11 +39,34 @@ impl Eye {
     }
 }
 
+/// What a polygon may hide: the inner side of planes, each given by a point and a normal. Without planes it is everything.
+#[derive(Clone, Debug)]
+pub(super) struct Cone {
+    planes: Vec<(DVec3, DVec3)>,
+}
+
+impl Cone {
+    pub(super) fn new(eye: Eye, blocker: &Polygon) -> Self {
+        Self { planes: blocker.edges().filter_map(|edge| Some((edge[0], eye.plane(edge, blocker.centre)?))).collect() }
+    }
+
+    /// Whether a part may be in it: none of its planes has all of the part outside.
+    pub(super) fn may_reach(&self, part: &Polygon, slack: f64) -> bool {
+        let is_outside =
+            |(point, normal): &(DVec3, DVec3)| part.corners().iter().all(|c| (*c - *point).dot(*normal) <= slack);
+        !self.planes.iter().any(is_outside)
+    }
+}
+
 impl Patches {
     /// The parts of a polygon that are seen when these primitives, and no others, may be in the way; `None` if there are too many.
     pub(super) fn seen_parts(&self, polygon: &Polygon, eye: Eye, blockers: &[u32]) -> Option<Vec<Polygon>> {
         let mut parts = vec![*polygon];
         for blocker in blockers {
+            let face = self.face.get(*blocker as usize)?;
+            if face != blocker && blockers.contains(face) {
+                continue;
+            }
             let blocker = self.blockers.get(*blocker as usize)?;
             // What is behind the polygon doesn't block, nor what is seen edge-on.
             let Some(before) = blocker.above(polygon.centre, polygon.normal, self.slack) else { continue };
@@ -54,15 +77,14 @@ impl Patches {
             if edge_on {
                 continue;
             }
-            let shadow: Vec<(DVec3, DVec3)> =
-                before.edges().filter_map(|edge| Some((edge[0], eye.plane(edge, before.centre)?))).collect();
-            if !parts.iter().any(|part| self.reaches(part, &shadow)) {
+            let shadow = Cone::new(eye, &before);
+            if !parts.iter().any(|part| shadow.may_reach(part, self.slack)) {
                 continue;
             }
             let mut left = Vec::with_capacity(2 * parts.len());
             for part in &parts {
-                if self.reaches(part, &shadow) {
-                    self.outside(part, &shadow, &mut left);
+                if shadow.may_reach(part, self.slack) {
+                    self.outside(part, &shadow.planes, &mut left);
                 } else {
                     left.push(*part);
                 }
@@ -76,11 +98,6 @@ impl Patches {
             }
         }
         Some(parts)
-    }
-
-    /// Whether a part may be in a cone: none of its planes has all of the part outside.
-    fn reaches(&self, part: &Polygon, cone: &[(DVec3, DVec3)]) -> bool {
-        !cone.iter().any(|(point, normal)| part.corners().iter().all(|c| (*c - *point).dot(*normal) <= self.slack))
     }
 
     /// Adds what is left of a part outside the cone on the inner side of planes, each given by a point and a normal.

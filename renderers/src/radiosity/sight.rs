@@ -2,15 +2,13 @@
 
 use glam::DVec3;
 
-use super::mesh::{Node, Patches};
+use super::mesh::Patches;
 use super::polygon::Polygon;
-use crate::geometry::{NO_PRIMITIVE, Shaft, ShaftEnd, SurfacePoint};
+use crate::geometry::{NO_PRIMITIVE, ShaftEnd, SurfacePoint};
 
 /// What is known of the ways between two things.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Sight {
-    /// Nothing blocks any of them, for certain.
-    Clear,
     /// One polygon blocks all of them, for certain.
     Blocked,
     /// Some may be blocked.
@@ -28,23 +26,15 @@ pub(super) fn shaft_end(polygon: &Polygon, primitive: u32) -> ShaftEnd {
 }
 
 impl Patches {
-    /// What is known of the ways between two patches.
-    pub(super) fn sight(&self, p: &Node, q: &Node) -> Sight {
-        let shaft = Shaft::between(&shaft_end(&p.polygon, p.primitive), &shaft_end(&q.polygon, q.primitive));
-        if self.world.shaft_is_clear(&shaft) {
-            return Sight::Clear;
-        }
-        let from = surface_point(p.polygon.centre, p.polygon.normal, p.primitive);
-        let to = surface_point(q.polygon.centre, q.polygon.normal, q.primitive);
-        let blocker = self.world.closest_hit(&from.ray_between(&to)).map_or(NO_PRIMITIVE, |hit| hit.primitive);
-        self.sight_past(blocker, p.polygon.corners(), q.polygon.corners())
-    }
-
     /// [`Sight::Blocked`] if the polygon of a primitive blocks all ways between two convex sets with these corners: it does if it blocks
     /// those between the corners, as the others cross its plane within the convex hull of where these do.
     pub(super) fn sight_past(&self, blocker: u32, from: &[DVec3], to: &[DVec3]) -> Sight {
         let Some(blocker) = self.blockers.get(blocker as usize) else { return Sight::Mixed };
         let height = |x: &DVec3| (*x - blocker.centre).dot(blocker.normal);
+        // What lies in its plane isn't behind it.
+        if [from, to].iter().any(|end| end.iter().all(|x| height(x).abs() <= 10.0 * self.slack)) {
+            return Sight::Mixed;
+        }
         let mut crossed = false;
         for a in from {
             for b in to {
@@ -66,28 +56,6 @@ impl Patches {
             }
         }
         if crossed { Sight::Blocked } else { Sight::Mixed }
-    }
-
-    /// The visible share of the light between two patches, from `count` rays spread over both.
-    pub(super) fn visible_share(&self, p: &Node, q: &Node, count: u32) -> f64 {
-        let (mut seen, mut all) = (0.0, 0.0);
-        for index in 0..count {
-            let [a, b, c, d] = spread(index);
-            let (x, y) = (p.polygon.point([a, b]), q.polygon.point([c, d]));
-            let way = y - x;
-            let squared = way.length_squared();
-            let weight =
-                way.dot(p.polygon.normal).max(0.0) * (-way.dot(q.polygon.normal)).max(0.0) / (squared * squared);
-            if weight > 0.0 {
-                all += weight;
-                let from = surface_point(x, p.polygon.normal, p.primitive);
-                let to = surface_point(y, q.polygon.normal, q.primitive);
-                if !self.world.occluded(&from, &to) {
-                    seen += weight;
-                }
-            }
-        }
-        if all > 0.0 { seen / all } else { 0.0 }
     }
 
     /// The primitive that a point lies on, its normal on the side of the given one; [`NO_PRIMITIVE`] if there is none.

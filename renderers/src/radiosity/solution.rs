@@ -1,14 +1,11 @@
 //! The radiosity of all patches.
 
-use std::sync::Arc;
+use alloc::sync::Arc;
 
 use super::mesh::Side;
+use super::polish::Polished;
 use super::representation::{Representation, light};
 use super::{Radiosity, Report};
-
-/// What sampled visibility leaves in open spaces, where no sum of form factors is known beforehand: the most found in the Cornell box, in the
-/// gap between its blocks, whatever the accuracy that was asked for.
-const LEFT_IN_OPEN_SPACES: f64 = 0.04;
 
 /// The radiosity of all patches of a scene, for some components of the spectrum.
 #[derive(Clone, Debug)]
@@ -24,7 +21,10 @@ pub struct Solution<'r> {
     /// For each node, the largest range of a component among its leaves, relative to the scene's mean.
     pub(super) spreads: Vec<f64>,
     pub(super) lights: Lights,
-    report: Report,
+    pub(super) polished: Polished,
+    pub(super) report: Report,
+    /// Reflected radiosity of the patches as it was solved for, row by row: no light is lost. Empty where that is what nodes have.
+    pub(super) solved: Vec<f64>,
 }
 
 /// The components of what radiosity is made from, row by row.
@@ -74,7 +74,9 @@ impl<'r> Solution<'r> {
         let spreads = spreads(radiosity, [width, values], &nodes, &means, relative);
         let lights = Lights::new(radiosity, &*representation);
         report.row_bytes = size_of_val(&*nodes);
-        Self { radiosity, representation, width, nodes, levels, spreads, lights, report }
+        let polished = Polished::default();
+        let solved = Vec::new();
+        Self { radiosity, representation, width, nodes, levels, spreads, lights, polished, report, solved }
     }
 
     /// What the numbers of a row mean.
@@ -95,12 +97,13 @@ impl<'r> Solution<'r> {
     /// The relative error to be expected: several times what was aimed at, as has been measured, and that of the iteration.
     pub(super) fn relative_error(&self) -> f64 {
         let accuracy = self.radiosity.settings.accuracy;
-        let measured = match (self.report.uncertain_links > 0, self.report.closed < 1.0) {
-            (true, true) => (6.0 * accuracy).max(LEFT_IN_OPEN_SPACES),
-            (true, false) => 6.0 * accuracy,
+        let measured = match (self.report.uncertain_links > 0, self.report.points > 0) {
+            // Without points, patches of one radiosity.
+            (true, false) => (0.5 * accuracy.sqrt()).max(6.0 * accuracy),
+            (true, true) => 3.0 * accuracy,
             // Patches of one radiosity under an uneven light leave an error in proportion to their size.
-            (false, true) => (0.3 * accuracy.sqrt()).max(3.0 * accuracy),
-            (false, false) => 3.0 * accuracy,
+            (false, _) if self.report.closed < 1.0 => (0.3 * accuracy.sqrt()).max(3.0 * accuracy),
+            (false, _) => 3.0 * accuracy,
         };
         measured + self.report.iteration_error
     }
@@ -108,8 +111,12 @@ impl<'r> Solution<'r> {
     /// Reflected radiosity of each patch in the unit of the lights' radiance times sr, with the patch's area: one value for each component.
     pub fn patches(&self) -> impl Iterator<Item = (&[f64], f64)> {
         let transport = &self.radiosity.transport;
-        let row = |leaf: &u32| &self.nodes[*leaf as usize * self.width..][..self.width];
-        transport.leaves.iter().map(row).zip(transport.areas.iter().copied())
+        let row = |(index, leaf): (usize, &u32)| {
+            let (rows, place) =
+                if self.solved.is_empty() { (&self.nodes, *leaf as usize) } else { (&self.solved, index) };
+            &rows[place * self.width..][..self.width]
+        };
+        transport.leaves.iter().enumerate().map(row).zip(transport.areas.iter().copied())
     }
 }
 

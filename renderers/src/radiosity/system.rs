@@ -1,6 +1,6 @@
 //! Solutions for representations that leave no bounds to be solved for, and what residual and balance say of any solution.
 
-use std::sync::Arc;
+use alloc::sync::Arc;
 
 use super::coupled::Coupled;
 use super::representation::{self, Representation};
@@ -67,7 +67,7 @@ impl Radiosity {
                 to[first..first + block].copy_from_slice(from);
             }
         }
-        Ok(Solution::new(self, Arc::new(representation), &reflected, report))
+        Ok(self.seen(Solution::new(self, Arc::new(representation), &reflected, report)))
     }
 
     /// The system for some components, and the radiosity that lights send out.
@@ -143,7 +143,16 @@ impl Radiosity {
         let mut report = Report { intervals: representation.intervals(), ..self.report() };
         report.passes = (solved.steps + 2) * width;
         self.judge(&judged, &mut report);
-        Ok(Solution::new(self, Arc::new(representation), &solved.reflected, report))
+        Ok(self.seen(Solution::new(self, Arc::new(representation), &solved.reflected, report)))
+    }
+
+    /// The solution with radiosity at points of patches, where that changes what places see.
+    fn seen<'r>(&self, mut solution: Solution<'r>) -> Solution<'r> {
+        // Where nothing blocks, the means over patches are as good and keep all light.
+        if self.settings.points && self.settings.bounces.is_none() && self.uncertain > 0 {
+            solution.polish();
+        }
+        solution
     }
 
     /// Notes residual and energy balance.

@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::mesh::{LEAF, Patches};
+use super::mesh::{Cut, LEAF, Patches};
 
 /// Patches whose light is gathered by one task.
 const CHUNK: usize = 256;
@@ -18,6 +18,17 @@ pub(super) struct Link {
     pub(super) seen: f64,
     /// Whether nothing blocks, for certain.
     pub(super) clear: bool,
+    /// How unevenly the light arrives on both.
+    pub(super) spread: [Spread; 2],
+}
+
+/// How unevenly light arrives on a patch.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Spread {
+    /// Mean distance of the irradiance from its mean times area, for light of radiosity 1.
+    pub(super) flux: f32,
+    /// The cut that leaves least of this.
+    pub(super) cut: Cut,
 }
 
 /// The operator K: radiosity of the leaves to irradiance on the leaves.

@@ -89,6 +89,7 @@ fn build(
     let settings = radiosity::Settings {
         accuracy: options.accuracy,
         others: Others::Simplified,
+        points: false,
         ..radiosity::Settings::default()
     };
     let settings = match scene.integrator {
