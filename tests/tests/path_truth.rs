@@ -1,5 +1,6 @@
 //! The path tracer against closed forms and against the Whitted renderer: z-tests with Šidák's correction.
 #![allow(clippy::panic, clippy::unwrap_used, reason = "helpers of tests fail by panicking")]
+#![allow(clippy::cast_precision_loss, reason = "numbers of pixels and comparisons are small")]
 
 use core::f64::consts::PI;
 
@@ -354,6 +355,7 @@ fn cornell(max_depth: Option<u32>) -> Scene {
     scene
 }
 
+/// Pixels along a side of the picture, and of each block.
 const SIDE: usize = 32;
 const BLOCK: usize = 4;
 
@@ -361,7 +363,7 @@ const BLOCK: usize = 4;
 #[test]
 fn the_cornell_box_in_direct_light_is_that_of_the_whitted_renderer() {
     let scene = cornell(Some(2));
-    let size = Some([SIDE as u32; 2]);
+    let size = Some([32; 2]);
     let spectra = Spectra::Uniform(12);
     let whitted = [1, 2].map(|seed| {
         let options = Options { spectra, size, seed: Some(seed), samples: Some(256), ..Options::default() };
