@@ -3,7 +3,7 @@
 //! Where to split is decided in a model of the scene in which all patches of one reflectance have one radiosity: that costs next to
 //! nothing. The bounds are those of all patches; where they are above the threshold, what contributes most there is split.
 
-use std::sync::Arc;
+use alloc::sync::Arc;
 
 use rayon::prelude::*;
 use spectral_core::adaptive::Mode;

@@ -1,6 +1,6 @@
 //! The radiosity of all patches.
 
-use std::sync::Arc;
+use alloc::sync::Arc;
 
 use super::mesh::Side;
 use super::representation::{Representation, light};

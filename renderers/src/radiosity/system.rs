@@ -1,6 +1,6 @@
 //! Solutions for representations that leave no bounds to be solved for, and what residual and balance say of any solution.
 
-use std::sync::Arc;
+use alloc::sync::Arc;
 
 use super::coupled::Coupled;
 use super::representation::{self, Representation};
