@@ -46,12 +46,14 @@ pub(super) struct Field<'t> {
     pub(super) bounces: Option<u32>,
 }
 
+/// Told how often a number was carried through the operator, and of the values of each block of cells.
+pub(super) type Told<'w> = dyn FnMut(usize, Option<(&[Cell], &Values<'_>)>) + 'w;
+
 /// Room and aims for solutions, and who is told of them.
 pub(super) struct Work<'w> {
     pub(super) tolerance: f64,
     pub(super) buffer: Buffer,
-    /// Told how often a number was carried through the operator, and of the values of each block of cells.
-    pub(super) report: &'w mut dyn FnMut(usize, Option<(&[Cell], &Values<'_>)>),
+    pub(super) report: &'w mut Told<'w>,
 }
 
 /// The values of a block of cells, for reports.
