@@ -205,6 +205,7 @@ impl Arguments {
         };
         let renderer = match self.renderer {
             Renderer::Whitted => "",
+            Renderer::Radiosity => "-radiosity",
             Renderer::Path => "-path",
         };
         let stem = format!("{}{renderer}-{}{bound}", report.scene, report.spectra.replace(':', ""));

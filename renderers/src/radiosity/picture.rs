@@ -72,20 +72,19 @@ impl<'s> Field<'s> {
         let patches = &solution.radiosity.patches;
         let area: f64 = solution.radiosity.transport.areas.iter().sum();
         let shapes = patched(scene, solution);
-        let lookup = Lookup::new(patches, area / PARTS);
-        let direct = direct(patches, &shapes, &lookup, whitted);
-        let (accuracy, lights) = (settings.accuracy, whitted.light_factors().collect::<Vec<_>>());
-        let radiosity = radiosities(solution, &lookup, &direct, &lights);
-        let mut field =
-            Self { solution, rays: rays(settings), lookup, radiosity, shapes, charts: HashMap::new(), cells: None };
+        let lookup = Lookup::new(patches, [area / PARTS, area / GROUPS]);
+        let reflection = Reflection::new(patches, &shapes, &lookup, whitted);
+        let radiosity = reflection.radiosity(solution, &lookup);
+        let (charts, rays) = (HashMap::new(), rays(settings));
+        let mut field = Self { solution, rays, lookup, radiosity, shapes, charts, cells: None };
         if settings.exact {
             return field;
         }
         let charts = field.chart(scene);
         let place = |hit: &Hit| Some((*field.charts.get(&field.key(hit)?)?, hit.position.as_dvec3()));
         let seen: Vec<Seen> = seen.iter().filter_map(place).collect();
-        let goal = Goal { tolerance: (BEND * accuracy).min(MOST_BEND), floor: FLOOR, crowd: CROWD };
-        let rows = radiosities(guide, &field.lookup, &direct, &lights);
+        let goal = Goal { tolerance: (BEND * settings.accuracy).min(MOST_BEND), floor: FLOOR, crowd: CROWD };
+        let rows = reflection.radiosity(guide, &field.lookup);
         let colour = |row: &[f64]| guide.representation().colour(&[], row).value;
         let colours = rows.chunks(guide.width()).map(colour).collect();
         field.cells = Some(Cells::new(&charts, &seen, goal, &Gathering { field: &field, colours }, progress));
@@ -127,12 +126,7 @@ impl<'s> Field<'s> {
                     _ => Chart {
                         polygons: Vec::new(),
                         apex: whole.centre - node.polygon.normal * whole.radius,
-                        form: form(
-                            scene,
-                            shape,
-                            node.primitive - patches.world.primitives(shape as usize).start,
-                            node.polygon.normal,
-                        ),
+                        form: form(scene, shape, node.primitive - patches.world.primitives(shape as usize).start, node.polygon.normal),
                     },
                 });
             }
@@ -151,11 +145,7 @@ impl<'s> Field<'s> {
 
     /// Adds up the radiosity of parts of patches.
     fn add_up(&self, found: &[(u32, f64)], row: &mut [f64]) {
-        let width = self.solution.width();
-        for (part, share) in found {
-            let radiosity = &self.radiosity[*part as usize * width..][..width];
-            row.iter_mut().zip(radiosity).for_each(|(r, b)| *r += share * b);
-        }
+        row.copy_from_slice(&added_up(found, &self.radiosity, self.solution.width()));
     }
 
     /// The irradiance at a place.
@@ -219,58 +209,123 @@ fn rays(settings: FieldSettings) -> u32 {
     count.clamp(128.0, 65536.0) as u32
 }
 
-/// For each part of a patch, the irradiance that comes straight from each light, over the light's radiance; nothing for parts of polyhedra
-/// that stand for round shapes.
-fn direct(patches: &Patches, shapes: &[Patched], lookup: &Lookup, whitted: &Whitted) -> Vec<Option<Vec<f64>>> {
-    let of_part = |worker: &mut Worker<'_>, part: &Part| {
-        let node = &patches.nodes[part.node as usize];
-        let shape = patches.world.shape(node.primitive)?;
-        let Some(Patched::Same([to, from])) = shapes.get(shape as usize) else { return None };
-        let (position, normal) = (part.polygon.centre, part.polygon.normal);
-        let point = surface_point(position, normal, node.primitive - from + to);
-        let contact = 2.0 * f64::from(point.error);
-        Some(worker.direct(&Receiver { point, position, normal, geometric: normal, contact }))
-    };
-    lookup.parts.par_iter().map_init(|| Worker::new(whitted, FactorOrder::Free), of_part).collect()
+/// What parts of patches receive, free of wavelength.
+struct Reflection {
+    /// For each part, the irradiance that comes straight from each light, over the light's radiance; nothing for parts of polyhedra that
+    /// stand for round shapes.
+    direct: Vec<Option<Vec<f64>>>,
+    /// The lights' spectra.
+    lights: Vec<Factor>,
+    /// For each group of parts, the parts that rays from its middle find.
+    found: Vec<Vec<(u32, f64)>>,
 }
 
-/// The radiosity of each part of a patch: what it reflects of direct light, as it is in its middle, and of what the patch receives from all
-/// others.
-fn radiosities(solution: &Solution<'_>, lookup: &Lookup, direct: &[Option<Vec<f64>>], lights: &[Factor]) -> Vec<f64> {
-    let (radiosity, representation) = (solution.radiosity, solution.representation());
-    let (transport, width) = (&radiosity.transport, solution.width());
-    let of_node = |node: u32| &solution.nodes[node as usize * width..][..width];
-    let reflected: Vec<f64> = transport.leaves.iter().flat_map(|leaf| of_node(*leaf).iter().copied()).collect();
-    let mut between = vec![0.0; reflected.len()];
-    let bounces = radiosity.settings.bounces;
-    if bounces.is_none() {
-        transport.apply(&reflected, &mut between, width, &mut Buffer::default());
-    }
-    let mut numbers = vec![0; radiosity.patches.nodes.len()];
-    for (number, leaf) in transport.leaves.iter().enumerate() {
-        numbers[*leaf as usize] = number;
-    }
-    let lights: Vec<Vec<f64>> = lights.iter().map(|factor| light(representation, *factor)).collect();
-    let of_part = |(part, direct): (&Part, &Option<Vec<f64>>)| {
-        // What a limited number of reflections leaves is known for whole patches only.
-        let (Some(factors), None | Some(1)) = (direct, bounces) else { return of_node(part.node).to_vec() };
-        let mut row = between[numbers[part.node as usize] * width..][..width].to_vec();
-        for (factor, spectrum) in factors.iter().zip(&lights) {
-            row.iter_mut().zip(spectrum).for_each(|(r, s)| *r += factor * s);
+impl Reflection {
+    fn new(patches: &Patches, shapes: &[Patched], lookup: &Lookup, whitted: &Whitted) -> Self {
+        let same = |part: &Part| {
+            let primitive = patches.nodes[part.node as usize].primitive;
+            match shapes.get(patches.world.shape(primitive)? as usize) {
+                Some(Patched::Same([to, from])) => Some((primitive, primitive - from + to)),
+                _ => None,
+            }
+        };
+        let of_part = |worker: &mut Worker<'_>, part: &Part| {
+            let (_, primitive) = same(part)?;
+            let (position, normal) = (part.polygon.centre, part.polygon.normal);
+            let point = surface_point(position, normal, primitive);
+            let contact = 2.0 * f64::from(point.error);
+            Some(worker.direct(&Receiver { point, position, normal, geometric: normal, contact }))
+        };
+        let of_group = |part: &Part| match same(part) {
+            Some((primitive, _)) => {
+                patches.found_by_rays(lookup, part.polygon.centre, part.polygon.normal, primitive, GROUP_RAYS)
+            }
+            None => Vec::new(),
+        };
+        Self {
+            direct: lookup.parts.par_iter().map_init(|| Worker::new(whitted, FactorOrder::Free), of_part).collect(),
+            lights: whitted.light_factors().collect(),
+            found: lookup.groups.par_iter().map(of_group).collect(),
         }
-        let side = radiosity.patches.nodes[part.node as usize].side;
-        representation.reflect(radiosity.patches.sides[side as usize].reflectance, &mut row);
-        row
-    };
-    lookup.parts.par_iter().zip(direct).flat_map_iter(of_part).collect()
+    }
+
+    /// The radiosity of each part of a patch: what it reflects of direct light, as it is in its middle, and of what its group receives from
+    /// all others. That is gathered once more, since patches of one radiosity spread light into the shadows of contacts.
+    fn radiosity(&self, solution: &Solution<'_>, lookup: &Lookup) -> Vec<f64> {
+        let (radiosity, width) = (solution.radiosity, solution.width());
+        let of_node = |node: u32| &solution.nodes[node as usize * width..][..width];
+        let of_part = |part: &Part| of_node(part.node).to_vec();
+        let whole: Vec<f64> = lookup.parts.par_iter().flat_map_iter(of_part).collect();
+        match radiosity.settings.bounces {
+            None => {
+                let transport = &radiosity.transport;
+                let reflected: Vec<f64> = transport.leaves.iter().flat_map(|leaf| of_node(*leaf)).copied().collect();
+                let mut between = vec![0.0; reflected.len()];
+                transport.apply(&reflected, &mut between, width, &mut Buffer::default());
+                let mut numbers = vec![0; radiosity.patches.nodes.len()];
+                for (number, leaf) in transport.leaves.iter().enumerate() {
+                    numbers[*leaf as usize] = number;
+                }
+                let once = self.reflected(solution, lookup, &whole, |part| {
+                    &between[numbers[part.node as usize] * width..][..width]
+                });
+                let of_group = |found: &Vec<(u32, f64)>| added_up(found, &once, width);
+                let again: Vec<f64> = self.found.par_iter().flat_map_iter(of_group).collect();
+                self.reflected(solution, lookup, &whole, |part| &again[part.group as usize * width..][..width])
+            }
+            Some(1) => {
+                let nothing = vec![0.0; width];
+                self.reflected(solution, lookup, &whole, |_| &nothing)
+            }
+            // What a limited number of reflections leaves is known for whole patches only.
+            Some(_) => whole,
+        }
+    }
+
+    /// What parts reflect of direct light and of other light.
+    fn reflected<'o>(
+        &self,
+        solution: &Solution<'_>,
+        lookup: &Lookup,
+        whole: &[f64],
+        other: impl Fn(&Part) -> &'o [f64] + Sync,
+    ) -> Vec<f64> {
+        let (representation, width) = (solution.representation(), solution.width());
+        let patches = &solution.radiosity.patches;
+        let lights: Vec<Vec<f64>> = self.lights.iter().map(|factor| light(representation, *factor)).collect();
+        let of_part = |((part, direct), whole): ((&Part, &Option<Vec<f64>>), &[f64])| {
+            let Some(factors) = direct else { return whole.to_vec() };
+            let mut row = other(part).to_vec();
+            for (factor, spectrum) in factors.iter().zip(&lights) {
+                row.iter_mut().zip(spectrum).for_each(|(r, s)| *r += factor * s);
+            }
+            let side = patches.nodes[part.node as usize].side;
+            representation.reflect(patches.sides[side as usize].reflectance, &mut row);
+            row
+        };
+        lookup.parts.par_iter().zip(&self.direct).zip(whole.par_chunks(width)).flat_map_iter(of_part).collect()
+    }
+}
+
+/// The sum of rows, each times its share.
+fn added_up(found: &[(u32, f64)], rows: &[f64], width: usize) -> Vec<f64> {
+    let mut sum = vec![0.0; width];
+    for (number, share) in found {
+        let row = &rows[*number as usize * width..][..width];
+        sum.iter_mut().zip(row).for_each(|(s, r)| *s += share * r);
+    }
+    sum
 }
 
 /// Rays of a gather times the accuracy.
-const RAYS: f64 = 8.0;
-/// About as many parts are patches in, for their direct light.
+const RAYS: f64 = 16.0;
+/// About as many parts are patches in, for their direct light, and as many groups for other light.
 const PARTS: f64 = 16384.0;
+const GROUPS: f64 = 1024.0;
+/// Rays of a gather for a group: errors of groups cancel in later gathers.
+const GROUP_RAYS: u32 = 256;
 /// The bend of irradiance along an edge of cells, over the accuracy: they are interpolated by quadratics, which are closer than that.
-const BEND: f64 = 2.0;
+const BEND: f64 = 2.5;
 const MOST_BEND: f64 = 0.1;
 /// What is darker than this share of the mean irradiance is interpolated as if it were as bright as that.
 const FLOOR: f64 = 0.1;
@@ -292,9 +347,7 @@ fn sphere(centre: DVec3, radius: f64, reach: f64, primitive: u32) -> Chart {
 
 /// The form of a flat primitive, by its number in its shape.
 fn form(scene: &Scene, shape: u32, number: u32, normal: DVec3) -> Form {
-    let Some(Geometry::Mesh(mesh)) = scene.shapes.get(shape as usize).map(|s| &s.geometry) else {
-        return Form::Flat(normal);
-    };
+    let Some(Geometry::Mesh(mesh)) = scene.shapes.get(shape as usize).map(|s| &s.geometry) else { return Form::Flat(normal) };
     let (Some(normals), Some(triangle)) = (&mesh.normals, mesh.triangles.get(number as usize)) else {
         return Form::Flat(normal);
     };

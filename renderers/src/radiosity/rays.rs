@@ -13,7 +13,8 @@ use crate::geometry::Hit;
 /// The share of a turn between neighbouring rays: the golden section.
 const GOLDEN: f64 = 0.618_033_988_749_894_9;
 
-/// Finds the part of a patch that a place is on: patches are in parts for their direct light alone.
+/// Finds the part of a patch that a place is on. Patches are in parts for their direct light, and in groups of these for what they receive
+/// from each other.
 #[derive(Clone, Debug)]
 pub(super) struct Lookup {
     /// For each node, and after them for each part of a leaf: the line between its halves, the first half where (x, 1)·line ≤ 0; and the
@@ -22,21 +23,24 @@ pub(super) struct Lookup {
     /// For each of them, the number of the part if it is one.
     numbers: Vec<u32>,
     pub(super) parts: Vec<Part>,
+    pub(super) groups: Vec<Part>,
     /// For each primitive, the roots on its back and on its front.
     sides: Vec<[Vec<u32>; 2]>,
 }
 
-/// A part of a leaf.
+/// A part of a leaf, or a group of parts.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Part {
     pub(super) polygon: Polygon,
     /// The node that it is a part of.
     pub(super) node: u32,
+    /// The group that it is in.
+    pub(super) group: u32,
 }
 
 impl Lookup {
-    /// Parts of leaves have at most this area.
-    pub(super) fn new(patches: &Patches, largest: f64) -> Self {
+    /// Parts of leaves and groups of them have at most these areas.
+    pub(super) fn new(patches: &Patches, [largest, largest_group]: [f64; 2]) -> Self {
         let halves = patches.nodes.iter().map(|node| match node.children() {
             None => ([0.0; 4], LEAF),
             Some([first, _]) => (line(&patches.nodes[first].polygon), node.child),
@@ -46,16 +50,22 @@ impl Lookup {
             let front = patches.blockers[node.primitive as usize].normal.dot(node.polygon.normal) > 0.0;
             sides[node.primitive as usize][usize::from(front)].push(number);
         }
-        let mut lookup = Self { halves: halves.collect(), numbers: Vec::new(), parts: Vec::new(), sides };
+        let mut lookup = Self { halves: halves.collect(), numbers: Vec::new(), parts: Vec::new(), groups: Vec::new(), sides };
         lookup.numbers = vec![LEAF; lookup.halves.len()];
         for leaf in patches.leaves() {
-            let part = Part { polygon: patches.nodes[leaf].polygon, node: u32::try_from(leaf).unwrap_or(LEAF) };
-            lookup.add(leaf, part, largest);
+            let node = u32::try_from(leaf).unwrap_or(LEAF);
+            let part = Part { polygon: patches.nodes[leaf].polygon, node, group: LEAF };
+            lookup.add(leaf, part, [largest.min(largest_group), largest_group]);
         }
         lookup
     }
 
-    fn add(&mut self, place: usize, part: Part, largest: f64) {
+    fn add(&mut self, place: usize, mut part: Part, areas: [f64; 2]) {
+        let [largest, largest_group] = areas;
+        if part.group == LEAF && part.polygon.area <= largest_group {
+            part.group = u32::try_from(self.groups.len()).unwrap_or(LEAF);
+            self.groups.push(part);
+        }
         if part.polygon.area > largest
             && let Some(halves) = part.polygon.halves()
         {
@@ -64,9 +74,14 @@ impl Lookup {
             self.halves.extend([([0.0; 4], LEAF); 2]);
             self.numbers.extend([LEAF; 2]);
             for (offset, polygon) in halves.into_iter().enumerate() {
-                self.add(child + offset, Part { polygon, ..part }, largest);
+                self.add(child + offset, Part { polygon, ..part }, areas);
             }
             return;
+        }
+        if part.group == LEAF {
+            // Too small to be split, whatever was asked for.
+            part.group = u32::try_from(self.groups.len()).unwrap_or(LEAF);
+            self.groups.push(part);
         }
         self.numbers[place] = u32::try_from(self.parts.len()).unwrap_or(LEAF);
         self.parts.push(part);
