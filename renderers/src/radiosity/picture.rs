@@ -76,9 +76,15 @@ impl<'s> Field<'s> {
             return field;
         }
         let charts = field.chart(scene);
-        let seen: Vec<Seen> =
-            seen.iter().filter_map(|hit| Some((*field.charts.get(&field.key(hit)?)?, hit.position.as_dvec3()))).collect();
-        let goal = Goal { tolerance: std::env::var("BEND").map_or(BEND, |r| r.parse().unwrap_or(BEND)) * settings.accuracy, floor: FLOOR, crowd: CROWD };
+        let seen: Vec<Seen> = seen
+            .iter()
+            .filter_map(|hit| Some((*field.charts.get(&field.key(hit)?)?, hit.position.as_dvec3())))
+            .collect();
+        let goal = Goal {
+            tolerance: std::env::var("BEND").map_or(BEND, |r| r.parse().unwrap_or(BEND)) * settings.accuracy,
+            floor: FLOOR,
+            crowd: CROWD,
+        };
         field.cells = Some(Cells::new(&charts, &seen, goal, &Gathering { field: &field, colour }, progress));
         field
     }
@@ -118,7 +124,12 @@ impl<'s> Field<'s> {
                     _ => Chart {
                         polygons: Vec::new(),
                         apex: whole.centre - node.polygon.normal * whole.radius,
-                        form: form(scene, shape, node.primitive - patches.world.primitives(shape as usize).start, node.polygon.normal),
+                        form: form(
+                            scene,
+                            shape,
+                            node.primitive - patches.world.primitives(shape as usize).start,
+                            node.polygon.normal,
+                        ),
                     },
                 });
             }
@@ -210,7 +221,9 @@ fn sphere(centre: DVec3, radius: f64, reach: f64, primitive: u32) -> Chart {
 
 /// The form of a flat primitive, by its number in its shape.
 fn form(scene: &Scene, shape: u32, number: u32, normal: DVec3) -> Form {
-    let Some(Geometry::Mesh(mesh)) = scene.shapes.get(shape as usize).map(|s| &s.geometry) else { return Form::Flat(normal) };
+    let Some(Geometry::Mesh(mesh)) = scene.shapes.get(shape as usize).map(|s| &s.geometry) else {
+        return Form::Flat(normal);
+    };
     let (Some(normals), Some(triangle)) = (&mesh.normals, mesh.triangles.get(number as usize)) else {
         return Form::Flat(normal);
     };

@@ -2,14 +2,10 @@
 
 use std::time::Instant;
 
-use spectral_core::bilinear::Tensor;
-
-use super::{BetweenOptions, Frame, Options, Pixels, Spectra, Watch, prefiltered};
+use super::{BetweenOptions, Frame, Options, Pixels, Spectra, Watch, bilinear, prefiltered};
 use crate::radiosity::{self, Field, FieldSettings, Others, Radiosity, Report, Representation};
 use crate::scene::{Integrator, Scene};
-use crate::spectral::{
-    ComponentResolver, Components, Palette, Resolver, Uniform, UniformBins, WithGathered,
-};
+use crate::spectral::{ComponentResolver, Components, Palette, Resolver, Uniform, UniformBins, WithGathered};
 use crate::whitted::RenderError;
 
 /// What became of the light between surfaces, for reports.
@@ -52,8 +48,8 @@ pub(super) fn render(
             let components = prefiltered(scene, &palette)?;
             job.trace(&components, || ComponentResolver::new(&components))
         }
-        Spectra::Bilinear => {
-            let components = Components::bilinear(&palette, &Tensor::rec_709()).map_err(RenderError::new)?;
+        Spectra::Bilinear | Spectra::BilinearAlpha(_) => {
+            let components = bilinear(options.spectra, &palette)?;
             job.trace(&components, || ComponentResolver::new(&components))
         }
     }
