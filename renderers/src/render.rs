@@ -67,6 +67,8 @@ pub enum Spectra {
     RgbPrefiltered,
     /// The bilinear product of three components.
     Bilinear,
+    /// The same with this much transferred into red, green and blue: α of Granier and Damez 2004, section 6.2.
+    BilinearAlpha([f64; 3]),
     /// Spectra of ten bins, made of three components.
     Smits,
 }
@@ -82,7 +84,7 @@ impl Spectra {
     /// Whether products of spectra may be reordered.
     const fn factor_order(&self) -> FactorOrder {
         match self {
-            Self::Bilinear => FactorOrder::Kept,
+            Self::Bilinear | Self::BilinearAlpha(_) => FactorOrder::Kept,
             Self::Interval(_) | Self::Uniform(_) | Self::Rgb | Self::RgbPrefiltered | Self::Smits => FactorOrder::Free,
         }
     }
@@ -96,6 +98,7 @@ impl core::fmt::Display for Spectra {
             Self::Rgb => write!(f, "rgb"),
             Self::RgbPrefiltered => write!(f, "rgb-prefiltered"),
             Self::Bilinear => write!(f, "bilinear"),
+            Self::BilinearAlpha([r, g, b]) => write!(f, "bilinear:{r},{g},{b}"),
             Self::Smits => write!(f, "smits"),
         }
     }
@@ -267,8 +270,8 @@ fn ambient(
             let components = prefiltered(scene, palette)?;
             (frame.trace(start, || ComponentResolver::new(&components)), false)
         }
-        Spectra::Bilinear => {
-            let components = Components::bilinear(palette, &Tensor::rec_709()).map_err(RenderError::new)?;
+        Spectra::Bilinear | Spectra::BilinearAlpha(_) => {
+            let components = bilinear(options.spectra, palette)?;
             (frame.trace(start, || ComponentResolver::new(&components)), false)
         }
         Spectra::Smits => {
@@ -276,6 +279,17 @@ fn ambient(
             (frame.trace(start, || Uniform::new(&bins)), false)
         }
     })
+}
+
+/// Components for the bilinear product, with the transfer that is asked for.
+pub(crate) fn bilinear(spectra: Spectra, palette: &Palette) -> Result<Components, RenderError> {
+    let tensor = match spectra {
+        Spectra::BilinearAlpha(alpha) => {
+            Tensor::rec_709().with_alpha(alpha).map_err(|e| RenderError::new(e.to_string()))?
+        }
+        _ => Tensor::rec_709(),
+    };
+    Components::bilinear(palette, &tensor).map_err(RenderError::new)
 }
 
 /// Components filtered for the light with the largest luminous flux.

@@ -34,7 +34,8 @@ pub(super) struct Arguments {
     #[arg(long, value_enum, default_value_t = Renderer::Whitted)]
     renderer: Renderer,
     /// How spectra are represented: interval (the default; not for path), uniform:N (N equal bins; path's default is uniform:81),
-    /// or three components: rgb (their naive product), rgb-prefiltered (for the dominant light), bilinear, smits (made into spectra).
+    /// or three components: rgb (their naive product), rgb-prefiltered (for the dominant light), bilinear (or bilinear:R,G,B, with α, the
+    /// transfer into each), smits (made into spectra).
     #[arg(long, value_parser = parse_spectra)]
     spectra: Option<Representation>,
     /// How errors of intervals are taken.
@@ -82,13 +83,14 @@ enum Renderer {
     Path,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 enum Representation {
     Interval,
     Uniform(usize),
     Rgb,
     RgbPrefiltered,
     Bilinear,
+    BilinearAlpha([f64; 3]),
     Smits,
 }
 
@@ -100,6 +102,10 @@ enum Bound {
 }
 
 fn parse_spectra(text: &str) -> Result<Representation, String> {
+    let alpha = || -> Option<[f64; 3]> {
+        let parts = text.strip_prefix("bilinear:")?.split(',').map(str::parse).collect::<Result<Vec<_>, _>>().ok()?;
+        parts.try_into().ok()
+    };
     let uniform = || text.strip_prefix("uniform:")?.parse().ok().filter(|n| (1..=4000).contains(n));
     match text {
         "interval" => Ok(Representation::Interval),
@@ -107,8 +113,10 @@ fn parse_spectra(text: &str) -> Result<Representation, String> {
         "rgb-prefiltered" => Ok(Representation::RgbPrefiltered),
         "bilinear" => Ok(Representation::Bilinear),
         "smits" => Ok(Representation::Smits),
-        _ => uniform().map(Representation::Uniform).ok_or_else(|| {
-            "expected interval, rgb, rgb-prefiltered, bilinear, smits or uniform:N with N from 1 to 4000".to_owned()
+        _ => uniform().map(Representation::Uniform).or_else(|| alpha().map(Representation::BilinearAlpha)).ok_or_else(|| {
+            "expected interval, rgb, rgb-prefiltered, bilinear, bilinear:R,G,B with the transfer into each, smits or uniform:N with N from 1 \
+             to 4000"
+                .to_owned()
         }),
     }
 }
@@ -169,6 +177,7 @@ impl Arguments {
             Representation::Rgb => Spectra::Rgb,
             Representation::RgbPrefiltered => Spectra::RgbPrefiltered,
             Representation::Bilinear => Spectra::Bilinear,
+            Representation::BilinearAlpha(alpha) => Spectra::BilinearAlpha(alpha),
             Representation::Smits => Spectra::Smits,
         };
         let renderer = match self.renderer {

@@ -28,7 +28,6 @@ use std::path::Path;
 use std::time::Instant;
 
 use rayon::prelude::*;
-use spectral_core::bilinear::Tensor;
 use spectral_core::colour::rgb::xyz_to_linear_rgb;
 
 use crate::direct;
@@ -37,7 +36,7 @@ use crate::geometry::sampling::SobolSequence;
 use crate::geometry::{Camera, Filter, Hit, World};
 use crate::image::{ImageError, Raster};
 use crate::material::Material;
-use crate::render::{Options, Rendering, Spectra, Variance, check_area, filter, prefiltered, single};
+use crate::render::{Options, Rendering, Spectra, Variance, bilinear, check_area, filter, prefiltered, single};
 use crate::scene::{Emitter, Integrator, Scene};
 use crate::spectral::{Components, Factor, Palette, Role, UniformBins};
 use crate::whitted::{RenderError, camera};
@@ -193,9 +192,7 @@ pub fn render(
         Spectra::Smits => with_bins(UniformBins::smits(&palette).map_err(RenderError::new)?),
         Spectra::Rgb => with_components(Components::naive(&palette).map_err(RenderError::new)?),
         Spectra::RgbPrefiltered => with_components(prefiltered(scene, &palette)?),
-        Spectra::Bilinear => {
-            with_components(Components::bilinear(&palette, &Tensor::rec_709()).map_err(RenderError::new)?)
-        }
+        Spectra::Bilinear | Spectra::BilinearAlpha(_) => with_components(bilinear(options.spectra, &palette)?),
     }
 }
 

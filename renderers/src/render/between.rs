@@ -2,9 +2,7 @@
 
 use std::time::Instant;
 
-use spectral_core::bilinear::Tensor;
-
-use super::{BetweenOptions, Frame, Options, Pixels, Spectra, Watch, prefiltered};
+use super::{BetweenOptions, Frame, Options, Pixels, Spectra, Watch, bilinear, prefiltered};
 use crate::radiosity::{self, Field, FieldSettings, Others, Radiosity, Report, Solution};
 use crate::scene::{Integrator, Scene};
 use crate::spectral::{
@@ -67,8 +65,8 @@ pub(super) fn render(
             let components = prefiltered(scene, &palette)?;
             job.trace(&solve(&components)?, || ComponentResolver::new(&components))
         }
-        Spectra::Bilinear => {
-            let components = Components::bilinear(&palette, &Tensor::rec_709()).map_err(RenderError::new)?;
+        Spectra::Bilinear | Spectra::BilinearAlpha(_) => {
+            let components = bilinear(options.spectra, &palette)?;
             job.trace(&solve(&components)?, || ComponentResolver::new(&components))
         }
     }
