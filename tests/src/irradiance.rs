@@ -6,7 +6,7 @@ use renderers::direct;
 use renderers::geometry::glam::Vec3A;
 use renderers::geometry::sampling::square_to_cosine_hemisphere;
 use renderers::geometry::{GeometryError, SurfacePoint, World};
-use renderers::radiosity::Basis;
+use renderers::radiosity::Representation as _;
 use renderers::scene::{BsdfKind, Emitter, Geometry, Scene};
 use renderers::spectral::{Factor, Palette, Role, UniformBins};
 
@@ -62,11 +62,11 @@ impl Walker {
     /// Surfaces that are not fit for rays.
     pub fn new(scene: &Scene, palette: &mut Palette, bins: &UniformBins) -> Result<Self, GeometryError> {
         let means = |factor: Option<Factor>| -> Vec<f64> {
-            let Some(factor) = factor else { return vec![0.0; bins.len()] };
-            match factor.leaf.and_then(|leaf| Basis::leaf(bins, leaf)) {
-                Some(means) => means.iter().map(|m| m * factor.scale).collect(),
-                None => vec![factor.scale; bins.len()],
+            let mut row = vec![0.0; bins.len()];
+            if let Some(factor) = factor {
+                bins.light(factor, &mut row);
             }
+            row
         };
         let factors = spectra(scene, palette);
         let mut lamps: Vec<Lamp> = Vec::new();
