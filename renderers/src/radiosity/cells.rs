@@ -132,7 +132,13 @@ pub(super) type Seen = (u32, DVec3);
 
 impl Cells {
     /// Makes cells for the places that the camera sees; `progress` is told after each generation of them.
-    pub(super) fn new(charts: &[Chart], seen: &[Seen], goal: Goal, gather: &dyn Gather, progress: &dyn Fn(u64)) -> Self {
+    pub(super) fn new(
+        charts: &[Chart],
+        seen: &[Seen],
+        goal: Goal,
+        gather: &dyn Gather,
+        progress: &dyn Fn(u64),
+    ) -> Self {
         let mut cells = Self { width: gather.width(), values: gather.values(), ..Self::default() };
         for chart in charts {
             cells.add(chart);
@@ -404,7 +410,12 @@ impl Cells {
             (None, ..) => vec![corner],
         };
         let from = self.count();
-        self.triangles.extend(parts.iter().map(|corners| Triangle { corners: *corners, chart, children: NONE, count: 0 }));
+        self.triangles.extend(parts.iter().map(|corners| Triangle {
+            corners: *corners,
+            chart,
+            children: NONE,
+            count: 0,
+        }));
         let to = self.count();
         self.triangles[number as usize].children = from;
         self.triangles[number as usize].count = to - from;

@@ -126,7 +126,12 @@ impl<'s> Field<'s> {
                     _ => Chart {
                         polygons: Vec::new(),
                         apex: whole.centre - node.polygon.normal * whole.radius,
-                        form: form(scene, shape, node.primitive - patches.world.primitives(shape as usize).start, node.polygon.normal),
+                        form: form(
+                            scene,
+                            shape,
+                            node.primitive - patches.world.primitives(shape as usize).start,
+                            node.polygon.normal,
+                        ),
                     },
                 });
             }
@@ -347,7 +352,9 @@ fn sphere(centre: DVec3, radius: f64, reach: f64, primitive: u32) -> Chart {
 
 /// The form of a flat primitive, by its number in its shape.
 fn form(scene: &Scene, shape: u32, number: u32, normal: DVec3) -> Form {
-    let Some(Geometry::Mesh(mesh)) = scene.shapes.get(shape as usize).map(|s| &s.geometry) else { return Form::Flat(normal) };
+    let Some(Geometry::Mesh(mesh)) = scene.shapes.get(shape as usize).map(|s| &s.geometry) else {
+        return Form::Flat(normal);
+    };
     let (Some(normals), Some(triangle)) = (&mesh.normals, mesh.triangles.get(number as usize)) else {
         return Form::Flat(normal);
     };

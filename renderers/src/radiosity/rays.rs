@@ -50,7 +50,8 @@ impl Lookup {
             let front = patches.blockers[node.primitive as usize].normal.dot(node.polygon.normal) > 0.0;
             sides[node.primitive as usize][usize::from(front)].push(number);
         }
-        let mut lookup = Self { halves: halves.collect(), numbers: Vec::new(), parts: Vec::new(), groups: Vec::new(), sides };
+        let mut lookup =
+            Self { halves: halves.collect(), numbers: Vec::new(), parts: Vec::new(), groups: Vec::new(), sides };
         lookup.numbers = vec![LEAF; lookup.halves.len()];
         for leaf in patches.leaves() {
             let node = u32::try_from(leaf).unwrap_or(LEAF);

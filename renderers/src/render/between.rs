@@ -8,8 +8,8 @@ use super::{BetweenOptions, Frame, Options, Pixels, Spectra, Watch, prefiltered}
 use crate::radiosity::{self, Field, FieldSettings, Others, Radiosity, Report, Solution};
 use crate::scene::{Integrator, Scene};
 use crate::spectral::{
-    ComponentResolver, Components, IntervalMemory, IntervalSettings, Intervals, Palette, Resolver, SharedIntervals, Uniform,
-    UniformBins, WithGathered,
+    ComponentResolver, Components, IntervalMemory, IntervalSettings, Intervals, Palette, Resolver, SharedIntervals,
+    Uniform, UniformBins, WithGathered,
 };
 use crate::whitted::RenderError;
 
@@ -47,7 +47,8 @@ pub(super) fn render(
             let settings = IntervalSettings { threshold: settings.threshold / 2.0, ..settings };
             let mut memory = IntervalMemory::default();
             let shared = SharedIntervals::new(&palette, settings, &mut memory).map_err(RenderError::new)?;
-            let solution = radiosity.solve_intervals(&palette, &settings).map_err(|e| RenderError::new(e.to_string()))?;
+            let solution =
+                radiosity.solve_intervals(&palette, &settings).map_err(|e| RenderError::new(e.to_string()))?;
             job.trace(&solution, || Intervals::new(&shared))
         }
         Spectra::Uniform(count) => {
@@ -130,8 +131,7 @@ impl Job<'_> {
         watch.stage("light between surfaces", Field::STEPS);
         let settings = FieldSettings { accuracy, exact };
         let guide = radiosity.solve(guide).map_err(|e| RenderError::new(e.to_string()))?;
-        let field =
-            Field::new(scene, frame.scene, [solution, &guide], settings, &seen, &|steps| watch.add(steps));
+        let field = Field::new(scene, frame.scene, [solution, &guide], settings, &seen, &|steps| watch.add(steps));
         let gathered = start.elapsed().as_secs_f64();
         let report = BetweenReport {
             radiosity: *solution.report(),

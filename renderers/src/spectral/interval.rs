@@ -24,13 +24,8 @@ const BRIGHTEST: f64 = 64.0;
 const MAX_KEPT: usize = 1 << 16;
 const MAX_RECORDED: usize = 1 << 13;
 /// A colour of which nothing is known.
-const UNKNOWN: Colour = Colour {
-    xyz: [0.0; 3],
-    radius: [f64::INFINITY; 3],
-    delta_e: f64::INFINITY,
-    path_delta_e: 0.0,
-    intervals: 1,
-};
+const UNKNOWN: Colour =
+    Colour { xyz: [0.0; 3], radius: [f64::INFINITY; 3], delta_e: f64::INFINITY, path_delta_e: 0.0, intervals: 1 };
 
 /// What the interval representation aims at.
 #[derive(Clone, Copy, Debug, PartialEq)]
