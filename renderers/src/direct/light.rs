@@ -8,7 +8,7 @@ use super::blocker::{Blockers, Outline};
 use super::lattice::{Lattice, Shadows};
 use super::source::{Receiver, Seen, Source, single};
 use super::visible::{Cover, Scratch, unblocked_factor, visible_factor};
-use crate::geometry::World;
+use crate::geometry::{NO_PRIMITIVE, World};
 use crate::luminaire::PlacedLuminaire;
 use crate::spectral::Factor;
 
@@ -136,6 +136,10 @@ fn illuminate_area<'c>(
     scratch: &mut Scratch,
     mut receive: impl FnMut(Part),
 ) {
+    if source.primitive == receiver.point.primitive && source.primitive != NO_PRIMITIVE {
+        // What is flat doesn't light itself, even where rounding lifts the receiver off its plane.
+        return;
+    }
     let Some(seen) = Seen::new(&source.shape, receiver.position) else { return };
     let cover = cover();
     let exact = match cover {

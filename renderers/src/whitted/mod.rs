@@ -12,7 +12,7 @@
 //! each camera ray, the more the rougher, and reflect other surfaces; see [`GlossyLight`]. Noise goes down with the camera rays per pixel.
 //!
 //! Approximations: light that reaches a diffuse surface by way of mirrors or glass is not found (caustics), and light between diffuse
-//! surfaces is the scene's ambient term. Paths end after [`max_depth`](Settings::max_depth) reflections and refractions, or when the light that
+//! surfaces is the scene's ambient term, unless a worker is given [`Indirect`] light in its place. Paths end after [`max_depth`](Settings::max_depth) reflections and refractions, or when the light that
 //! comes back can count for less than 10⁻⁴ before the reflectances of mirrors.
 
 mod build;
