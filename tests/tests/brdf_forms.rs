@@ -5,6 +5,7 @@
     clippy::print_stdout,
     reason = "a test stops at what should not be, and prints what it measured"
 )]
+#![allow(clippy::cast_possible_truncation, reason = "small counts, and single precision on purpose")]
 
 mod brdf_support;
 

@@ -24,7 +24,7 @@ fn limits<R: Real>(tolerance: R) {
     // Light that goes back the way it came.
     let (forth, cosine) = dielectric(r(0.3), r(1.7)).unwrap();
     assert!(close(dielectric(cosine, r(1.0 / 1.7)).unwrap().0, forth));
-    for eta in [R::ZERO, -R::ONE, R::INFINITY - R::INFINITY] {
+    for eta in [R::ZERO, -R::ONE, R::from_f64(f64::NAN)] {
         assert!(dielectric(R::HALF, eta).is_none());
     }
     // Conductors: normal and grazing incidence; k = 0 is a dielectric.
@@ -44,7 +44,7 @@ fn limits<R: Real>(tolerance: R) {
     assert!(close(schlick_factor(R::HALF), r(1.0 / 32.0)));
     assert!(close(ward_factor(R::HALF), r(f64::exp(-2.925) - 0.002_879_899_16)));
     // Cosines out of their range are limited to it.
-    for bad in [r(-1.0), r(2.0), R::INFINITY, R::INFINITY - R::INFINITY] {
+    for bad in [r(-1.0), r(2.0), R::INFINITY, R::from_f64(f64::NAN)] {
         for value in [
             schlick(r(0.1), bad),
             ward(r(0.1), bad),
@@ -139,7 +139,7 @@ mod spectral {
                     let found =
                         evaluate(&program, &domain, &target, &mut leaves.as_slice(), &mut stack, &mut pieces).unwrap();
                     let truth = dense.integrate(&ops);
-                    let error = least_delta_e(found.xyz.into(), &truth, white.into());
+                    let error = least_delta_e(found.xyz, &truth, white);
                     pieces_used.push(found.intervals);
                     assert!(error <= found.delta_e, "{x} {z} {threshold}: {error} above {}", found.delta_e);
                     assert!(found.delta_e <= threshold, "{x} {z}: {} above {threshold}", found.delta_e);

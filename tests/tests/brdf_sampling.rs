@@ -4,6 +4,12 @@
     clippy::print_stdout,
     reason = "a test stops at what should not be, and prints what it measured"
 )]
+#![allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    clippy::cast_precision_loss,
+    reason = "small counts, and single precision on purpose"
+)]
 
 mod brdf_support;
 
@@ -175,10 +181,13 @@ fn wards_half_vectors_follow_their_density() {
     verdict("Ward's", &results);
 }
 
+/// A model, and the scale of its half vectors' slopes.
+type Named = (String, Box<dyn Brdf<f64>>, [f64; 2]);
+
 #[test]
 fn the_other_models_follow_their_density() {
     let (mut rng, mut results) = (Rng::new(3), Vec::new());
-    let mut models: Vec<(String, Box<dyn Brdf<f64>>, [f64; 2])> = vec![("lambert".into(), Box::new(Lambert), [1.0; 2])];
+    let mut models: Vec<Named> = vec![("lambert".into(), Box::new(Lambert), [1.0; 2])];
     for (roughness, isotropy) in [(0.0, 0.5), (0.02, 1.0), (0.2, 0.3), (0.45, 1.0), (0.7, 0.2), (1.0, 1.0)] {
         let scale = f64::max(roughness, 0.01).sqrt();
         let model = Schlick::new(roughness, isotropy).unwrap();

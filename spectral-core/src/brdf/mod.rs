@@ -12,7 +12,7 @@
 //! has to reject what reflects below the horizon: half of all near grazing angles. Of the balanced model, s carries the
 //! weight (2.32) w(s) = 2 − v_z (1 + ε²)/(v_z + s·v), ε = |s|, where that is above the horizon, else w(s) = 0. As
 //! P(s) = P(−s), [`Brdf::sample`] draws s up to the larger of the two horizons ε_m = (|c| + √(c² + v_z²))/v_z, c = s·v/ε
-//! (which a share S = 1 − exp(−ε_m² q) of an azimuth's slopes is), and takes s or −s with probability in proportion to
+//! (which a share S = 1 − exp(−q ε_m²) of an azimuth's slopes is, q = cos²φ/α² + sin²φ/β²), and takes s or −s with probability in proportion to
 //! w(s) and w(−s). Nothing is rejected, and the weight of the sample is S (w(s) + w(−s))/2.
 //!
 //! **That is at most 1**: if only one slope is above the horizon, since w ≤ 2; if both are, since
@@ -30,6 +30,36 @@
 //! assert!(sample.weight <= 1.0 && coat.albedo(view) <= 1.0);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
+
+//! # Spectra
+//! Models are numbers in 1/sr; what depends on the wavelength stays an affine map of an interval spectrum, so that the
+//! certified bound of [`crate::adaptive`] carries through. Schlick's spectral term S = C + (1 − C) F is [`Op::Schlick`];
+//! a coat ρ_s(λ) f over a body ρ_d(λ)/π, with ρ' = ρ + (1 − ρ) F (2.28, 2.29), is a program such as
+//!
+//! ```
+//! use spectral_core::brdf::{Brdf, Variant, Ward, direction};
+//! use spectral_core::expression::{Op, Program};
+//! use spectral_core::fresnel;
+//!
+//! let (light, view) = (direction([0.6, 0.0, 0.8])?, direction([-0.5, 0.1, 0.7])?);
+//! let coat = Ward::new(Variant::Balanced, 0.1, 0.1)?.evaluate(light, view);
+//! let grazing = fresnel::schlick_factor(light[2]);
+//! // Spectra: 0 the light, 1 ρ_d, 2 ρ_s. The cosine goes with both factors.
+//! let ops = [
+//!     Op::Leaf(0),
+//!     Op::Leaf(1),
+//!     Op::Scale(light[2] / core::f64::consts::PI),
+//!     Op::Leaf(2),
+//!     Op::Schlick(grazing),
+//!     Op::Scale(light[2] * coat),
+//!     Op::Sum,
+//!     Op::Product,
+//! ];
+//! assert!(Program::new(&ops).is_ok());
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! [`Op::Schlick`]: crate::expression::Op::Schlick
 
 mod antithetic;
 mod direction;
