@@ -28,7 +28,7 @@ const MOST_GROUPS: usize = 64;
 /// The most faces that the model keeps apart.
 const MOST_FACES: usize = 32;
 /// What the model aims at, as a share of the threshold: its patches are means over faces.
-const MARGIN: f64 = 0.85;
+const MARGIN: f64 = 0.6;
 /// What splitting by patches aims at.
 const AIM: f64 = 0.98;
 /// How often cells may be split because of what patches need.
