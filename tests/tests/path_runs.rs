@@ -21,6 +21,7 @@ fn options(samples: u32) -> Options {
         size: Some([19, 13]),
         samples: Some(samples),
         seed: Some(5),
+        ..Options::default()
     }
 }
 
