@@ -57,6 +57,12 @@ fn answers_points_in_their_order() {
     assert_eq!(spectral["wavelengths"].as_array().unwrap().len(), 401);
     let value = spectral["points"][0]["spectrum"][175].as_f64().unwrap();
     assert!((value - core::f64::consts::FRAC_PI_2).abs() <= 1e-12, "{value}");
+    // A flat spectrum is of some 5455 K; where nothing arrives, there is no colour.
+    let number = |i: usize, key: &str| spectral["points"][i][key].as_f64();
+    assert!((number(0, "cct").unwrap() - 5455.0).abs() <= 5.0 && number(0, "duv").unwrap() < 0.0);
+    assert!(number(0, "ra").unwrap() > 90.0 && number(0, "cri00_munsell").unwrap() > 90.0);
+    assert!(spectral["points"][2]["cct"].is_null() && spectral["points"][2]["ra"].is_null());
+    assert!(answer["points"][0].get("cct").is_none());
     // For people.
     let shown = String::from_utf8(run(&[scene, "--points", points], "").stdout).unwrap();
     assert!(shown.contains("3 points: min 0, mean ") && shown.contains("not asked for"), "{shown}");

@@ -1,5 +1,6 @@
 //! The lounge of Granier and Damez 2004, figures 5 and 6: products of components against spectra where light is reflected by a blue ceiling.
 #![allow(clippy::unwrap_used, reason = "helpers of tests fail by panicking")]
+#![allow(clippy::print_stdout, reason = "tables for people who run the test with --nocapture")]
 
 use core::f64::consts::PI;
 

@@ -1,6 +1,7 @@
 //! Interreflections in a room and the colour rendering of light (Neumann and Schanda 2006): three pairs of lamp and paint with which the
 //! index rises, falls and stays, each by a closed form and by the built-in scene.
 #![allow(clippy::unwrap_used, reason = "helpers of tests fail by panicking")]
+#![allow(clippy::print_stdout, reason = "tables for people who run the test with --nocapture")]
 
 use renderers::illuminance::{self, ColourMeter, LightColour, Meter, Nanometres, SpectralIndirect};
 use renderers::radiosity::{IndirectRadiosity, Radiosity, Settings};
