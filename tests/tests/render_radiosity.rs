@@ -1,3 +1,4 @@
+#![allow(clippy::unwrap_used, reason = "helpers of tests fail by panicking")]
 //! Pictures with all light between surfaces.
 
 use renderers::render::{BetweenOptions, Options, Renderer, Rendering, Spectra, render};
