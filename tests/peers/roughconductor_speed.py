@@ -6,7 +6,7 @@ views uniform in the hemisphere. Mitsuba's numbers are of its LLVM mode, vectori
 kernels compiled before the clock starts; they include Fresnel factors for three channels (gold), shadowing and, for a
 sample, its density and weight. Ours are scalar calls.
 
-Run: python roughconductor_speed.py
+Run: python roughconductor_speed.py (LLVM 15 lacks instructions that Dr.Jit wants; DRJIT_LIBLLVM_PATH names a newer one)
 """
 import time
 
