@@ -10,7 +10,7 @@ use renderers::spectral::{Palette, UniformBins};
 
 /// For the Cornell box: from some hundreds of patches to more than 50 000.
 const ACCURACIES: [f64; 6] = [1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 3e-5];
-/// Boxes in the room; each has six faces.
+/// Boxes in the room; each has six faces. All pairs of faces are looked at: the last case takes minutes.
 const BOXES: [u32; 4] = [16, 83, 332, 832];
 /// For the room.
 const ROOM_ACCURACY: f64 = 1e-2;
