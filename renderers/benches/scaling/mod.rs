@@ -1,7 +1,7 @@
 //! Time, links and bytes over the number of patches, with exponents fitted to them: the Cornell box, refined by accuracy, and a room with ever
 //! more boxes.
 
-use std::fmt::Write as _;
+use core::fmt::Write as _;
 use std::time::Instant;
 
 use renderers::radiosity::{Radiosity, Settings};
