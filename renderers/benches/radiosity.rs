@@ -1,17 +1,22 @@
 //! Time for exchanges between polygons, and for radiosity. `cargo bench -p renderers --bench radiosity`.
 //!
-//! `… -- spectral` compares representations of spectra instead, as a table.
+//! `… -- spectral` compares representations of spectra instead, and `… -- scaling` time and memory from hundreds of patches to tens of
+//! thousands: as tables.
 //!
 //! The cube is CIE 171 5.8 at ρ = 0.95 with 400 points; the Cornell box is solved for 81 bins at several accuracies, without points.
 
 #![allow(clippy::expect_used, clippy::panic, clippy::cast_precision_loss, reason = "the scenes are constants")]
 #![allow(clippy::print_stdout, reason = "the table")]
 
+mod scaling;
 mod spectral;
 
 fn main() {
-    if std::env::args().any(|argument| argument == "spectral") {
+    let asked = |what: &str| std::env::args().any(|argument| argument == what);
+    if asked("spectral") {
         spectral::run();
+    } else if asked("scaling") {
+        scaling::run();
     } else {
         divan::main();
     }
