@@ -91,6 +91,7 @@ def compare(ours, theirs) -> dict:
         "p95_delta_e00_off_edges": float(np.percentile(inside, 95)),
         "max_delta_e00_off_edges": float(inside.max()),
         "mean_delta_e00_all": float(delta.mean()),
+        "p95_delta_e00_all": float(np.percentile(delta, 95)),
         "edge_share": float(edge.mean()),
         "luminance_ratio": float(xyz[0][:, :, 1].sum() / xyz[1][:, :, 1].sum()),
     }
