@@ -144,6 +144,15 @@ impl Patches {
     }
 }
 
+/// Whether a surface reflects diffusely, be it nothing at all.
+pub(super) fn is_diffuse_somewhere(scene: &Scene) -> bool {
+    let diffuse = |id: BsdfId| matches!(scene.bsdf(id).kind, BsdfKind::Diffuse { .. } | BsdfKind::Schlick { .. });
+    scene.shapes.iter().any(|shape| match scene.bsdf(shape.bsdf).kind {
+        BsdfKind::TwoSided { front, back } => diffuse(front) || diffuse(back),
+        _ => diffuse(shape.bsdf),
+    })
+}
+
 /// What a shape does on the sides that reflect or shine, each with whether it is the front.
 fn sides_of(
     scene: &Scene,

@@ -199,7 +199,7 @@ impl Radiosity {
         progress: &(dyn Fn(f64) + Sync),
     ) -> Result<Self, RadiosityError> {
         let mut patches = Patches::new(scene, settings.others, palette)?;
-        if patches.roots == 0 {
+        if patches.roots == 0 && !mesh::is_diffuse_somewhere(scene) {
             return Err(RadiosityError::NothingDiffuse);
         }
         let sources = Source::all(scene, palette)?;

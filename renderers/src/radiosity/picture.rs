@@ -97,10 +97,13 @@ impl<'s> Field<'s> {
         self.cells.as_ref().map_or(0, Cells::gathers)
     }
 
-    /// The primitive of the solution and the side that was hit; the first primitive for polyhedra.
+    /// The first primitive of the face of the solution and the side that was hit; the first primitive for polyhedra.
     fn key(&self, hit: &Hit) -> Option<(u32, bool)> {
         match self.shapes.get(hit.shape as usize)? {
-            Patched::Same([from, to]) => Some((hit.primitive - from + to, hit.front)),
+            Patched::Same([from, to]) => {
+                let primitive = hit.primitive - from + to;
+                Some((*self.solution.radiosity.patches.face.get(primitive as usize)?, hit.front))
+            }
             Patched::Disk(first) | Patched::Sphere { first, .. } => Some((*first, hit.front)),
         }
     }

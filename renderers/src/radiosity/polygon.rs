@@ -107,7 +107,8 @@ impl Polygon {
     }
 
     /// Two halves: a triangle is cut from the middle of an edge to the opposite corner, others from there to the middle of the opposite edge.
-    /// Rectangles stay rectangles. `None` for what is too small to be split.
+    /// Rectangles stay rectangles. The cut is between the last and the first of the first half's corners. `None` for what is too small to be
+    /// split.
     pub(super) fn halves_across(&self, edge: usize) -> Option<[Self; 2]> {
         let (n, edge) = (self.count, edge % self.count);
         let middle = |i: usize| (self.corners[i % n] + self.corners[(i + 1) % n]) / 2.0;
@@ -127,14 +128,15 @@ impl Polygon {
         Some([Self::new(&first, self.normal)?, Self::new(&second, self.normal)?])
     }
 
-    /// A triangle's corner, cut off along the middles of the two edges there, and the rest. `None` for others.
+    /// A triangle's corner, cut off along the middles of the two edges there, and the rest. `None` for others. As for halves, the cut is
+    /// between the last and the first of the first part's corners.
     pub(super) fn corner_and_rest(&self, corner: usize) -> Option<[Self; 2]> {
         if self.count != 3 {
             return None;
         }
         let [a, b, c] = [0, 1, 2].map(|k| self.corners[(corner + k) % 3]);
         let (ab, ac) = ((a + b) / 2.0, (a + c) / 2.0);
-        Some([Self::new(&[a, ab, ac], self.normal)?, Self::new(&[ab, b, c, ac], self.normal)?])
+        Some([Self::new(&[ac, a, ab], self.normal)?, Self::new(&[ab, b, c, ac], self.normal)?])
     }
 
     /// The triangles of the fan about the first corner.

@@ -90,7 +90,8 @@ impl Lookup {
 
     /// The part that was hit.
     fn part(&self, patches: &Patches, hit: &Hit) -> Option<u32> {
-        let roots = &self.sides.get(hit.primitive as usize)?[usize::from(hit.front)];
+        let face = *patches.face.get(hit.primitive as usize)?;
+        let roots = &self.sides.get(face as usize)?[usize::from(hit.front)];
         let position = hit.position.as_dvec3();
         let mut node = match roots[..] {
             [] => return None,
