@@ -57,6 +57,7 @@ impl Comparisons {
     /// An estimate and its expectation, which is known to `tolerance`.
     fn add(&mut self, name: impl ToString, found: Estimate, expected: f64, tolerance: f64) {
         let excess = ((found.value - expected).abs() - tolerance).max(0.0);
+        assert!(found.value.is_finite() && found.variance.is_finite(), "{}: {found:?}", name.to_string());
         let z = if excess == 0.0 { 0.0 } else { excess / found.variance.sqrt() };
         let text = format!("{}: {found:?}, expected {expected} within {tolerance}, z = {z:.2}", name.to_string());
         self.0.push((text, z, found.variance.sqrt() / expected.abs()));

@@ -65,6 +65,24 @@ fn diffuse(reflectance: f64) -> String {
     format!(r#"<bsdf type="diffuse"><spectrum name="reflectance" value="{reflectance}"/></bsdf>"#)
 }
 
+/// A room made of a mesh, of glossy surfaces without gloss, and of rectangles: all the same.
+#[test]
+fn all_kinds_of_walls_are_lit_alike() {
+    let ward = r#"<bsdf type="ward"><spectrum name="specular_reflectance" value="0"/><spectrum name="diffuse_reflectance" value="0.7"/></bsdf>"#;
+    let lamp = r#"<emitter type="point"><point name="position" x="0.2" y="0.3" z="0.1"/><spectrum name="intensity" value="1"/></emitter>"#;
+    let mesh = format!(r#"<shape type="cube"><boolean name="flip_normals" value="true"/>{}</shape>"#, diffuse(0.7));
+    let [rectangles, mesh, ward] = [cube([&diffuse(0.7); 6]), mesh, cube([ward; 6])].map(|walls| {
+        let camera = camera("0.1 0.2 0.3", "0.4 -0.5 -1", "0 1 0", 100.0);
+        let scene = load(&format!("<scene version=\"3.0.0\">{camera}{lamp}{walls}</scene>"));
+        luminances(&picture(&scene, &options(Spectra::Rgb, [16, 16], 0.02)))
+    });
+    for other in [mesh, ward] {
+        for (a, b) in other.iter().zip(&rectangles) {
+            assert!((a / b - 1.0).abs() <= 0.02, "{a} {b}");
+        }
+    }
+}
+
 /// All walls shine with radiance 1 and reflect ρ: everything has radiance 1/(1 − ρ).
 #[test]
 fn furnace() {

@@ -188,7 +188,7 @@ fn compare(name: &str, scene: &Scene, accuracy: f64) {
 }
 
 pub(crate) fn run() {
-    let accuracy = std::env::var("ACCURACY").ok().and_then(|a| a.parse().ok()).unwrap_or(1e-2);
+    let accuracy = 1e-3;
     for name in ["cornell-box", "cornell-box-lamp", "cornell-box-sodium"] {
         compare(name, &builtin::load(name, &[]).expect("a built-in scene"), accuracy);
     }

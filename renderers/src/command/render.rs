@@ -56,9 +56,9 @@ pub(super) struct Arguments {
     /// What the PNG picture is multiplied by; scenes in cd and lm want some hundreds. The EXR stays as it is.
     #[arg(long, value_name = "FACTOR", default_value_t = 1.0)]
     exposure: f32,
-    /// The relative error of light between surfaces that radiosity aims at.
-    #[arg(long, value_name = "SHARE", default_value_t = 0.02, allow_negative_numbers = true)]
-    accuracy: f64,
+    /// The relative error of light between surfaces that radiosity aims at; 0.02 by default.
+    #[arg(long, value_name = "SHARE", allow_negative_numbers = true)]
+    accuracy: Option<f64>,
     /// Gather light between surfaces for every camera ray instead of interpolating it.
     #[arg(long)]
     exact: bool,
@@ -185,7 +185,11 @@ impl Arguments {
             Renderer::Radiosity => render::Renderer::Radiosity,
             Renderer::Path => render::Renderer::Path,
         };
-        let between = BetweenOptions { accuracy: self.accuracy, exact: self.exact };
+        if (self.accuracy.is_some() || self.exact) && self.renderer != Renderer::Radiosity {
+            return Err(Failure("--accuracy and --exact are for --renderer radiosity".to_owned()));
+        }
+        let accuracy = self.accuracy.unwrap_or(BetweenOptions::default().accuracy);
+        let between = BetweenOptions { accuracy, exact: self.exact };
         Ok(Options { renderer, spectra, size: self.size, samples: self.spp, seed: self.seed, between })
     }
 

@@ -146,7 +146,9 @@ impl Patches {
 
 /// Whether a surface reflects diffusely, be it nothing at all.
 pub(super) fn is_diffuse_somewhere(scene: &Scene) -> bool {
-    let diffuse = |id: BsdfId| matches!(scene.bsdf(id).kind, BsdfKind::Diffuse { .. } | BsdfKind::Schlick { .. });
+    let diffuse = |id: BsdfId| {
+        matches!(scene.bsdf(id).kind, BsdfKind::Diffuse { .. } | BsdfKind::Schlick { .. } | BsdfKind::Ward { .. })
+    };
     scene.shapes.iter().any(|shape| match scene.bsdf(shape.bsdf).kind {
         BsdfKind::TwoSided { front, back } => diffuse(front) || diffuse(back),
         _ => diffuse(shape.bsdf),
@@ -173,6 +175,9 @@ fn sides_of(
                 let specular = Schlick::new(roughness, isotropy).map_or(0.0, |model| model.weights()[2]);
                 let all = palette.factor(scene.spectrum(reflectance), Role::Reflectance);
                 Ok(Factor { scale: all.scale * (1.0 - specular), ..all })
+            }
+            BsdfKind::Ward { diffuse_reflectance, .. } => {
+                Ok(palette.factor(scene.spectrum(diffuse_reflectance), Role::Reflectance))
             }
             _ => Ok(Factor { scale: 0.0, leaf: None }),
         },

@@ -84,8 +84,8 @@ pub enum Others {
     /// [`RadiosityError::Material`].
     #[default]
     Refused,
-    /// They block light. Schlick's model counts as diffuse but for its specular share; mirrors and glass are black, so that light by
-    /// way of them is left out.
+    /// They block light. Schlick's model counts as diffuse but for its specular share, Ward's by its base alone; mirrors and glass are
+    /// black, so that light by way of them is left out.
     Simplified,
 }
 
