@@ -37,7 +37,7 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "FILE")]
     points: PathBuf,
     /// The relative error that is asked for, from 1e-5 to 0.5.
-    #[arg(long, value_name = "SHARE", default_value_t = 1e-3)]
+    #[arg(long, value_name = "SHARE", default_value_t = 3e-3)]
     accuracy: f64,
     /// Add colour temperature, R_a and CRI00 of the light that arrives, and its spectrum, W/(m² nm) at every nanometre from 380 to 780.
     #[arg(long)]
