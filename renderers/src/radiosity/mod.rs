@@ -1,15 +1,17 @@
 //! Radiosity: all light between diffuse surfaces.
 //!
 //! [`Radiosity::new`] makes patches of a scene's diffuse and shining surfaces and links between them; all of that is free of wavelength.
-//! [`Radiosity::solve`] then finds the radiosity of every patch for all components of a spectral representation at once, and
-//! [`Solution::indirect`] the irradiance of reflected light anywhere.
+//! [`Radiosity::solve`] then finds the radiosity of every patch for all numbers of a spectral [`Representation`] at once,
+//! [`Radiosity::solve_intervals`] splits the spectrum until the colour of every patch is known, and [`Solution::indirect`] finds the
+//! irradiance of reflected light anywhere; [`Field`] does so for the places that a camera sees.
 //!
 //! What is exact and what isn't: form factors where nothing blocks have closed forms (relative error 10⁻¹⁰); shadows are cut out exactly
 //! at some points of each patch; patches have one radiosity each, and links one form factor for a group of patches, split until the
 //! unevenness that this hides is small. The operator is scaled so that each patch receives from
 //! all around it what it must, and that in closed spaces no light is lost. Where something may block, radiosity is then computed again at
 //! three or four points of each patch, between which it is linear: what [`Solution::indirect`] sees. Disks and
-//! spheres are polyhedra of the same area: 24-sided and of 320 triangles. Surfaces that are neither diffuse nor two-sided diffuse are refused.
+//! spheres are polyhedra of the same area: 24-sided and of 320 triangles. Surfaces that are neither diffuse nor two-sided diffuse are refused or
+//! simplified: [`Others`].
 
 mod adapt;
 mod balance;

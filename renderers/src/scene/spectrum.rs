@@ -110,7 +110,7 @@ impl<'a> Spectra<'a> {
         self.intern(SpectrumKind::Constant(value), label)
     }
 
-    /// The largest sum of two reflectances over all wavelengths, and the wavelength in nm where it is reached, unless it is everywhere.
+    /// The largest sum of two reflectances over the visible wavelengths, and the wavelength in nm where it is reached, unless it is everywhere.
     pub(crate) fn largest_sum(&self, first: SpectrumId, second: SpectrumId) -> (f64, Option<f64>) {
         let kinds = [first, second].map(|id| self.list.get(id.0).map(|data| &data.kind));
         let value = |wavelength: f64| kinds.iter().flatten().map(|kind| reflectance(kind, wavelength)).sum::<f64>();
@@ -119,7 +119,13 @@ impl<'a> Spectra<'a> {
             SpectrumKind::Table { wavelengths, .. } => wavelengths.as_slice(),
             _ => &[],
         });
-        let largest = nodes.map(|at| (value(*at), *at)).max_by(|a, b| a.0.total_cmp(&b.0));
+        let mut nodes = nodes.copied().peekable();
+        if nodes.peek().is_none() {
+            return (value(0.0), None);
+        }
+        let (low, high) = VISIBLE;
+        let visible = nodes.filter(|at| (low..=high).contains(at)).chain([low, high]);
+        let largest = visible.map(|at| (value(at), at)).max_by(|a, b| a.0.total_cmp(&b.0));
         largest.map_or_else(|| (value(0.0), None), |(most, at)| (most, Some(at)))
     }
 
