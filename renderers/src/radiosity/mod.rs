@@ -151,6 +151,9 @@ pub struct Report {
     pub energy_balance: f64,
 }
 
+/// The most corners of polygons that light is exchanged between.
+const MOST_CORNERS: usize = 8;
+
 /// A₁F₁₂ = ∫∫ cos θ₁ cos θ₂ / (π r²) over two convex planar polygons between which nothing stands, in the square of the length unit: area times
 /// form factor, the same both ways.
 ///
@@ -160,12 +163,14 @@ pub struct Report {
 #[must_use]
 pub fn polygon_exchange(one: &[[f64; 3]], other: &[[f64; 3]]) -> Option<f64> {
     let mut largest = 0.0_f64;
-    let mut polygon = |corners: &[[f64; 3]]| {
-        let corners: Vec<DVec3> = corners.iter().map(|c| DVec3::from_array(*c)).collect();
+    let mut polygon = |given: &[[f64; 3]]| {
+        let mut buffer = [DVec3::ZERO; MOST_CORNERS];
+        let corners = buffer.get_mut(..given.len())?;
+        corners.iter_mut().zip(given).for_each(|(corner, c)| *corner = DVec3::from_array(*c));
         let first = *corners.first()?;
         largest = corners.iter().fold(largest, |l, c| l.max(c.abs().max_element()));
         let normal = corners.windows(2).fold(DVec3::ZERO, |n, pair| n + (pair[0] - first).cross(pair[1] - first));
-        polygon::Polygon::new(&corners, normal.try_normalize()?)
+        polygon::Polygon::new(corners, normal.try_normalize()?)
     };
     let (one, other) = (polygon(one)?, polygon(other)?);
     Some(exchange::exchange(&one, &other, mesh::RELATIVE_SLACK * largest, 1e-13))
