@@ -234,6 +234,17 @@ mod tests {
     }
 
     #[test]
+    fn what_is_cut_lies_on_both_sides_of_the_cut() {
+        let triangle = Polygon::new(&[DVec3::ZERO, DVec3::X * 3.0, DVec3::Y], DVec3::Z).unwrap();
+        let cuts = (0..3).flat_map(|k| [triangle.corner_and_rest(k), triangle.halves_across(k)]);
+        for [first, second] in cuts.chain((0..4).map(|k| square().halves_across(k))).flatten() {
+            let (from, to) = (first.corners()[0], *first.corners().last().unwrap());
+            let beyond = |polygon: &Polygon| first.normal.cross(from - to).dot(polygon.centre - to);
+            assert!(beyond(&first) > 0.0 && beyond(&second) < 0.0, "{first:?} {second:?}");
+        }
+    }
+
+    #[test]
     fn halves_share_the_area_and_stay_in_shape() {
         let triangle = Polygon::new(&[DVec3::ZERO, DVec3::X * 3.0, DVec3::Y], DVec3::Z).unwrap();
         let pentagon = square().above(DVec3::new(1.5, 1.5, 0.0), DVec3::new(-1.0, -1.0, 0.0), 0.0).unwrap();
