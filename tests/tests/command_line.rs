@@ -126,7 +126,7 @@ fn bad_scenes_are_refused_by_file_and_line() {
 fn wrong_arguments_are_refused() {
     let folder = fresh("wrong_arguments");
     fs::write(folder.join("file"), "").unwrap();
-    let rows: [(&[&str], &str); 37] = [
+    let rows: [(&[&str], &str); 42] = [
         (&[], "requires a subcommand"),
         (&["draw"], "'draw'"),
         (&["rendr"], "similar"),
@@ -154,6 +154,11 @@ fn wrong_arguments_are_refused() {
         (&["render", "--threshold", "nan"], "--threshold must be positive"),
         (&["render", "--threshold", "inf"], "--threshold must be positive"),
         (&["render", "--threshold", "one"], "'one'"),
+        (&["render", "--spectra", "rgb", "--threshold", "2"], "--bound and --threshold are for --spectra interval"),
+        (&["render", "--renderer", "path", "--bound", "paper"], "--bound and --threshold are for --spectra interval"),
+        (&["render", "--accuracy", "0.1"], "--accuracy and --exact are for --renderer radiosity"),
+        (&["render", "--renderer", "path", "--exact"], "--accuracy and --exact are for --renderer radiosity"),
+        (&["render", "--renderer", "radiosity", "--resume", "state"], "--resume is for --renderer path"),
         (&["render", "--threads", "0"], "--threads must be from 1"),
         (&["render", "--threads", "-1"], "-1"),
         (&["render", "-D", "spp"], "'spp'"),

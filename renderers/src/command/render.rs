@@ -38,12 +38,12 @@ pub(super) struct Arguments {
     /// transfer into each), smits (made into spectra).
     #[arg(long, value_parser = parse_spectra)]
     spectra: Option<Representation>,
-    /// How errors of intervals are taken.
-    #[arg(long, value_enum, default_value_t = Bound::Certified)]
-    bound: Bound,
-    /// The ΔE*ab that each pixel's bound must meet.
-    #[arg(long, value_name = "DE", default_value_t = 1.0, allow_negative_numbers = true)]
-    threshold: f64,
+    /// How errors of intervals are taken; certified by default.
+    #[arg(long, value_enum)]
+    bound: Option<Bound>,
+    /// The ΔE*ab that each pixel's bound must meet; 1 by default.
+    #[arg(long, value_name = "DE", allow_negative_numbers = true)]
+    threshold: Option<f64>,
     /// Image size; the scene's by default.
     #[arg(long, value_name = "WxH", value_parser = parse_size)]
     size: Option<[u32; 2]>,
@@ -149,14 +149,18 @@ impl Arguments {
         }
         .map_err(|e| Failure(format!("{}: {e}", self.scene)))?;
         drop(bars);
-        let report = Report::new(&scene, &options, &rendering, self.threshold);
+        let report = Report::new(&scene, &options, &rendering, self.threshold());
         let files = self.write(&report, &rendering)?;
         Ok(report.answer(&files))
     }
 
     fn options(&self) -> Result<Options, Failure> {
-        if !(self.threshold > 0.0 && self.threshold.is_finite()) {
-            return Err(Failure(format!("--threshold must be positive and finite, not {}", self.threshold)));
+        let threshold = self.threshold();
+        if !(threshold > 0.0 && threshold.is_finite()) {
+            return Err(Failure(format!("--threshold must be positive and finite, not {threshold}")));
+        }
+        if (self.bound.is_some() || self.threshold.is_some()) && self.representation() != Representation::Interval {
+            return Err(Failure("--bound and --threshold are for --spectra interval".to_owned()));
         }
         if let Some(spp) = self.spp.filter(|n| !(1..=MAX_SAMPLES).contains(n)) {
             return Err(Failure(format!("--spp must be from 1 to {MAX_SAMPLES}, not {spp}")));
@@ -167,12 +171,12 @@ impl Arguments {
             ));
         }
         let mode = match self.bound {
-            Bound::Paper => Mode::Paper,
-            Bound::Corrected => Mode::Corrected,
-            Bound::Certified => Mode::Certified,
+            Some(Bound::Paper) => Mode::Paper,
+            Some(Bound::Corrected) => Mode::Corrected,
+            Some(Bound::Certified) | None => Mode::Certified,
         };
         let spectra = match self.representation() {
-            Representation::Interval => Spectra::Interval(IntervalSettings { mode, threshold: self.threshold }),
+            Representation::Interval => Spectra::Interval(IntervalSettings { mode, threshold }),
             Representation::Uniform(count) => Spectra::Uniform(count),
             Representation::Rgb => Spectra::Rgb,
             Representation::RgbPrefiltered => Spectra::RgbPrefiltered,
@@ -191,6 +195,11 @@ impl Arguments {
         let accuracy = self.accuracy.unwrap_or(BetweenOptions::default().accuracy);
         let between = BetweenOptions { accuracy, exact: self.exact };
         Ok(Options { renderer, spectra, size: self.size, samples: self.spp, seed: self.seed, between })
+    }
+
+    /// The threshold asked for, or the default.
+    fn threshold(&self) -> f64 {
+        self.threshold.unwrap_or(1.0)
     }
 
     /// The representation asked for, or the renderer's default.
@@ -212,8 +221,8 @@ impl Arguments {
     /// Writes all pictures and returns their names.
     fn write(&self, report: &Report, rendering: &Rendering) -> Result<Vec<PathBuf>, Failure> {
         let bound = match (self.representation(), self.bound) {
-            (Representation::Interval, Bound::Paper) => "-paper",
-            (Representation::Interval, Bound::Corrected) => "-corrected",
+            (Representation::Interval, Some(Bound::Paper)) => "-paper",
+            (Representation::Interval, Some(Bound::Corrected)) => "-corrected",
             _ => "",
         };
         let renderer = match self.renderer {
@@ -238,12 +247,12 @@ impl Arguments {
         if let Some(bound) = &rendering.delta_e {
             FalseColour::counts("Intervals", &rendering.intervals)
                 .write_png(&file("-intervals.png"), &rendering.intervals)?;
-            FalseColour::new("Bound of ΔE*ab", 0.0, self.threshold).write_png(&file("-bound.png"), bound)?;
-            let title = format!("Intervals per pixel, threshold {}", self.threshold);
+            FalseColour::new("Bound of ΔE*ab", 0.0, self.threshold()).write_png(&file("-bound.png"), bound)?;
+            let title = format!("Intervals per pixel, threshold {}", self.threshold());
             let labels = ChartLabels { title: &title, values: "intervals", counts: "pixels" };
             report.intervals.write_png(&file("-interval-histogram.png"), &labels, Scale::Linear)?;
             if let Some(errors) = &report.errors {
-                let title = format!("Bound of ΔE*ab per pixel, threshold {}", self.threshold);
+                let title = format!("Bound of ΔE*ab per pixel, threshold {}", self.threshold());
                 let labels = ChartLabels { title: &title, values: "bound of ΔE*ab", counts: "pixels" };
                 errors.write_png(&file("-bound-histogram.png"), &labels, Scale::Linear)?;
             }
