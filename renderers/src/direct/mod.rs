@@ -26,7 +26,7 @@ pub use blocker::Blockers;
 pub(crate) use cells::{Cells, KnownCells};
 pub use estimate::{Estimate, Way, visible_configuration_factor};
 pub use light::{Light, Part, Surroundings};
-pub(crate) use sampled::SampledLight;
+pub(crate) use sampled::{SampledLight, power_heuristic};
 pub use scene::{sources, world};
 pub use sky::visible_sky;
 pub(crate) use source::single;

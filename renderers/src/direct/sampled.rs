@@ -8,6 +8,14 @@ use super::lattice::{Panel, Sight};
 use super::source::{Receiver, Seen, Shape, Source};
 use crate::geometry::World;
 
+/// The share that a direction counts if two techniques may find it, this one with the density `own`: Veach's power heuristic with exponent 2
+/// (*Robust Monte Carlo Methods for Light Transport Simulation*, 1997, §9.2).
+pub(crate) fn power_heuristic(own: f64, other: f64) -> f64 {
+    // As a ratio, which neither overflows nor is 0/0 where a density is infinite.
+    let ratio = other / own;
+    1.0 / (1.0 + ratio * ratio)
+}
+
 /// A light with an area as seen from one position: points are evenly distributed over the area of what is seen of it (for spheres, of
 /// the disk that fills the same cone).
 #[derive(Clone, Copy, Debug)]

@@ -6,6 +6,7 @@ use super::carrier::{Carrier, unit_48};
 use super::light::{End, Towards};
 use super::scatter::{Scattered, Scatterer};
 use super::{PathTracer, Strategy};
+use crate::direct::power_heuristic;
 use crate::direct::{Receiver, single};
 use crate::geometry::sampling::SobolSequence;
 use crate::geometry::{Hit, Ray};
@@ -236,12 +237,6 @@ impl<'s> Walk<'s> {
 /// The first term alone where there is no second one.
 fn terms_of(terms: &super::scatter::Terms) -> &[super::carrier::Term] {
     if terms[1].1 == 0.0 { &terms[..1] } else { terms }
-}
-
-/// Veach's power heuristic with exponent 2: the weight of a direction found with density `a` that might have been with density `b`.
-fn power_heuristic(a: f64, b: f64) -> f64 {
-    let ratio = b / a;
-    1.0 / (1.0 + ratio * ratio)
 }
 
 /// Whether a path goes on: as likely as its light counts, and then it counts the more.

@@ -8,7 +8,7 @@
 use glam::DVec3;
 
 use super::{Path, Worker, receiver};
-use crate::direct::{Cover, Light, Receiver, SampledLight, Source, Surroundings, single};
+use crate::direct::{Cover, Light, Receiver, SampledLight, Source, Surroundings, power_heuristic, single};
 use crate::frame::Frame;
 use crate::geometry::Hit;
 use crate::material::Glossy;
@@ -61,13 +61,6 @@ impl Spot<'_> {
         }
         (self.lobe.evaluate(light, self.view) * light[2], self.lobe.pdf(light, self.view))
     }
-}
-
-/// The share of light that is found with a density if another technique may find it, too.
-fn power_heuristic(own: f64, other: f64) -> f64 {
-    // As a ratio, which neither overflows nor is 0/0 where a density is infinite.
-    let ratio = other / own;
-    1.0 / (1.0 + ratio * ratio)
 }
 
 impl Worker<'_> {
