@@ -13,6 +13,8 @@ pub mod light;
 pub mod luminaire;
 mod material;
 pub mod path;
+#[allow(dead_code, unused_imports, reason = "the renderer that uses it is being built")]
+mod photon;
 pub mod progress;
 pub mod radiosity;
 pub mod relight;

@@ -1,0 +1,40 @@
+//! The scattered photon map: light that reaches surfaces by way of mirrors and glass (Iehl–Péroche 2000, sections 2 and 5).
+//!
+//! Photons are traced from the lights towards mirrors and glass, and kept where they meet a surface that scatters: paths L S⁺ D. Until a path
+//! meets a medium in which light behaves differently by wavelength, it stands for the whole spectrum, as a product of spectra. Behind such a
+//! medium it stands for a bundle of waves: it is thrown again for each interval that a pixel asks for.
+
+mod spectra;
+
+pub(crate) use spectra::Spectra;
+
+/// Light where it met a surface that scatters it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Photon {
+    /// Where, in scene units.
+    pub(crate) position: [f32; 3],
+    /// The unit vector to where it came from.
+    pub(crate) direction: [f32; 3],
+    /// Its flux for a spectrum of 1: in the unit of its light's factor (radiance, intensity or irradiance) times m² sr, sr or m².
+    pub(crate) flux: f32,
+    /// The product of spectra that its flux is multiplied by, by its number among [`Spectra`].
+    pub(crate) spectrum: u32,
+    /// The shape that it met and the side: see [`surface`].
+    pub(crate) surface: u32,
+}
+
+/// A shape and its side, as one number.
+pub(crate) const fn surface(shape: u32, front: bool) -> u32 {
+    shape * 2 + front as u32
+}
+
+/// A photon that was thrown for some waves.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Scattered {
+    /// Where it landed. Its flux is that at its wavelength, the spectra of its factors left out.
+    pub(crate) photon: Photon,
+    /// The path that was thrown: the same number for all wavelengths.
+    pub(crate) path: u32,
+    /// Which reflections and refractions it took: photons of one path and the same branch, at different wavelengths, correspond to each other.
+    pub(crate) branch: u32,
+}
