@@ -18,8 +18,8 @@ use crate::image::{ImageError, MAX_PIXELS, Picture, Raster, ScalarMap};
 use crate::path;
 use crate::scene::{self, Scene};
 use crate::spectral::{
-    Colour, ComponentResolver, Components, FactorOrder, IntervalMemory, IntervalSettings, Intervals, Palette, Radiance,
-    Resolver, Role, SharedIntervals, Tracer, Uniform, UniformBins,
+    Band, Colour, ComponentResolver, Components, FactorOrder, IntervalMemory, IntervalSettings, Intervals, Palette,
+    Radiance, Resolver, Role, SharedIntervals, Tracer, Uniform, UniformBins,
 };
 use crate::whitted::{Indirect, RenderError, Whitted, Worker};
 
@@ -366,7 +366,7 @@ impl Frame<'_> {
                 worker.start_pixel(self.points(x, y));
                 worker.sample(middle(x), middle(y), 1.0, &mut radiance);
                 for (deferred, _, _) in radiance.deferred() {
-                    worker.trace(*deferred, 587.5618);
+                    worker.trace(*deferred, Band::single(587.5618));
                 }
             }
             worker.into_noted()

@@ -5,7 +5,7 @@ use spectral_core::colour::RgbSpace;
 use spectral_core::prefilter::Prefilter;
 use spectral_core::{Observer, tristimulus};
 
-use super::{Colour, Monomial, Monomials, Palette, Radiance, Resolver, Role, Tabulated, Tracer, Y_INTEGRAL};
+use super::{Band, Colour, Monomial, Monomials, Palette, Radiance, Resolver, Role, Tabulated, Tracer, Y_INTEGRAL};
 
 /// The wavelength in nm at which refraction is taken: the helium d line, where glass catalogues state the index.
 pub(crate) const MEAN_WAVELENGTH: f64 = 587.5618;
@@ -176,7 +176,7 @@ impl Resolver for ComponentResolver<'_> {
     fn resolve(&mut self, radiance: &Radiance, tracer: &mut dyn Tracer) -> Colour {
         let mut sum = self.sum(radiance, tracer.monomials());
         for (deferred, through, weight) in radiance.deferred() {
-            let traced = tracer.trace(*deferred, MEAN_WAVELENGTH);
+            let traced = tracer.trace(*deferred, Band::single(MEAN_WAVELENGTH));
             let light = self.sum(&traced, tracer.monomials());
             let seen = self.components.through(tracer.monomials().leaves(*through), light);
             sum = core::array::from_fn(|a| sum[a] + weight * seen[a]);

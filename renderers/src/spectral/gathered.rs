@@ -9,9 +9,6 @@ use super::{Colour, Monomial, Radiance, Resolver, Tracer, Y_INTEGRAL};
 /// eye to the light; and how far each may be off.
 pub type RowColour<'c> = dyn Fn(&[u32], &[f64]) -> [[f64; 3]; 2] + Sync + 'c;
 
-/// The wavelength in nm at which paths of gathered light through dispersive media are taken: the helium d line.
-const MEAN_WAVELENGTH: f64 = 587.5618;
-
 /// A resolver that adds gathered light to what another one makes of the rest.
 ///
 /// Errors of both parts add up. Gathered light behind a medium with a wavelength-dependent index is taken along the path of one wavelength,
@@ -79,7 +76,7 @@ impl<R: Resolver> Resolver for WithGathered<'_, R> {
         self.collect(radiance, tracer);
         let [mut value, mut radius] = self.collected(&[], tracer);
         for (deferred, through, weight) in radiance.deferred() {
-            let traced = tracer.trace(*deferred, MEAN_WAVELENGTH);
+            let traced = tracer.trace_gathered(*deferred);
             self.collect(&traced, tracer);
             let through = tracer.monomials().leaves(*through).to_vec();
             let [v, r] = self.collected(&through, tracer);

@@ -12,7 +12,7 @@ use spectral_core::spectrum::{PiecewiseLinear, Spectrum};
 use spectral_core::subdivision::{Stage, Subdivision};
 
 use super::radiance::PairBuild;
-use super::{Colour, Deferred, Monomial, Monomials, Palette, Radiance, Resolver, Tracer, Y_INTEGRAL, normalised};
+use super::{Band, Colour, Deferred, Monomial, Monomials, Palette, Radiance, Resolver, Tracer, Y_INTEGRAL, normalised};
 
 /// How deep the visible domain may be split: 2⁸ parts of 1.6 nm. Products on the deepest parts are integrated exactly.
 const DEPTH: u8 = 8;
@@ -294,7 +294,7 @@ impl Pixel<'_, '_> {
     /// Traces deferred light for an interval, once.
     fn trace(&mut self, deferred: Deferred, node: Node) {
         if !self.traced.contains_key(&(deferred, node)) {
-            let radiance = self.tracer.trace(deferred, centroid(&self.shared.domain, node));
+            let radiance = self.tracer.trace(deferred, band(&self.shared.domain, node));
             self.traced.insert((deferred, node), Traced { radiance, path_radius: None });
         }
     }
@@ -390,8 +390,8 @@ impl Sources<f64> for Pixel<'_, '_> {
     }
 }
 
-/// The wavelength in nm that stands for an interval: its centroid, weighted by x̄ + ȳ + z̄ where these are not 0.
-fn centroid(domain: &Domain<'_, f64>, node: Node) -> f64 {
+/// The waves of an interval, for which stands its centroid, weighted by x̄ + ȳ + z̄ where these are not 0.
+fn band(domain: &Domain<'_, f64>, node: Node) -> Band {
     const STEPS: u32 = 16;
     let [from, to] = node.limits::<f64>();
     let (mut moment, mut total) = (0.0, 0.0);
@@ -401,5 +401,6 @@ fn centroid(domain: &Domain<'_, f64>, node: Node) -> f64 {
         moment += sensitivity * wavelength;
         total += sensitivity;
     }
-    if total > 0.0 { moment / total } else { (from + to) / 2.0 }
+    let wavelength = if total > 0.0 { moment / total } else { (from + to) / 2.0 };
+    Band { wavelength, limits: [from, to] }
 }

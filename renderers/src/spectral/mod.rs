@@ -41,13 +41,41 @@ pub struct Colour {
     pub intervals: usize,
 }
 
+/// Waves that deferred light is traced for together.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Band {
+    /// The wavelength that stands for them, in nm.
+    pub wavelength: f64,
+    /// From where to where they go, in nm.
+    pub limits: [f64; 2],
+}
+
+impl Band {
+    /// The part of 380–780 nm that they are, from 0 to 1.
+    pub(crate) const fn share(&self) -> f64 {
+        let [from, to] = self.limits;
+        (to - from) / (spectral_core::interval::LAST_WAVELENGTH - spectral_core::interval::FIRST_WAVELENGTH)
+    }
+
+    /// A single wavelength in nm.
+    #[must_use]
+    pub const fn single(wavelength: f64) -> Self {
+        Self { wavelength, limits: [wavelength; 2] }
+    }
+}
+
 /// Light transport, as far as making colours needs it.
 pub trait Tracer {
     /// The products of spectra that radiances refer to.
     fn monomials(&self) -> &Monomials;
 
-    /// The radiance of deferred light at a wavelength in nm; nothing in it is deferred.
-    fn trace(&mut self, deferred: Deferred, wavelength: f64) -> Radiance;
+    /// The radiance of deferred light for some waves; nothing in it is deferred.
+    fn trace(&mut self, deferred: Deferred, band: Band) -> Radiance;
+
+    /// The gathered light in deferred light, along the path of one wavelength.
+    fn trace_gathered(&mut self, deferred: Deferred) -> Radiance {
+        self.trace(deferred, Band::single(MEAN_WAVELENGTH))
+    }
 
     /// The irradiance of gathered light, a row of the representation that it was computed in.
     fn row(&self, _: Gathered) -> &[f64] {

@@ -6,7 +6,7 @@ use spectral_core::upsampling::smits::Basis;
 use spectral_core::{Observer, tristimulus};
 
 use super::components::{light_colour, rec_709, surface_colour};
-use super::{Colour, Monomial, Monomials, Palette, Radiance, Resolver, Role, Tabulated, Tracer, normalised};
+use super::{Band, Colour, Monomial, Monomials, Palette, Radiance, Resolver, Role, Tabulated, Tracer, normalised};
 
 const FIRST: f64 = spectral_core::interval::FIRST_WAVELENGTH;
 const LAST: f64 = spectral_core::interval::LAST_WAVELENGTH;
@@ -110,6 +110,11 @@ impl UniformBins {
         &self.limits
     }
 
+    /// The waves of a bin.
+    fn band(&self, bin: usize) -> Band {
+        Band { wavelength: self.centres[bin], limits: self.limits[bin] }
+    }
+
     /// The middle of a bin in nm.
     pub(crate) fn centre(&self, bin: usize) -> f64 {
         self.centres[bin]
@@ -198,7 +203,7 @@ impl<'a> Uniform<'a> {
     fn add_deferred(&mut self, radiance: &Radiance, tracer: &mut dyn Tracer) {
         for bin in 0..self.bins.count {
             for (deferred, through, weight) in radiance.deferred() {
-                let traced = tracer.trace(*deferred, self.bins.centres[bin]);
+                let traced = tracer.trace(*deferred, self.bins.band(bin));
                 let monomials = tracer.monomials();
                 let light: f64 = traced.terms().iter().map(|(m, w)| w * self.bin_product(monomials, *m, bin)).sum();
                 self.spectrum[bin] += weight * light * self.bin_product(monomials, *through, bin);

@@ -16,15 +16,18 @@
 //! comes back can count for less than 10⁻⁴ before the reflectances of mirrors.
 
 mod build;
+mod caustic;
 mod glossy;
 mod refraction;
 
 pub(crate) use build::camera;
+pub(crate) use caustic::{Arriving, Caustics};
 
 use glam::DVec3;
 use spectral_core::brdf::Schlick;
 use spectral_core::fresnel;
 
+use self::caustic::Dispersed;
 pub use self::glossy::GlossyLight;
 use self::refraction::Interface;
 pub(crate) use self::refraction::boundary;
@@ -33,7 +36,9 @@ use crate::frame::{Frame, Parametrisation};
 use crate::geometry::sampling::SobolSequence;
 use crate::geometry::{Camera, Hit, Ray, World};
 use crate::material::{Lobe, Material, mirror_factors};
-use crate::spectral::{Deferred, Factor, FactorOrder, Gathered, Monomial, Monomials, Radiance, Tracer};
+use crate::spectral::{
+    Band, Deferred, Factor, FactorOrder, Gathered, MEAN_WAVELENGTH, Monomial, Monomials, Radiance, Tracer,
+};
 
 /// Paths that count for less in a pixel are not followed, if they count for less than the second number in their camera ray, too.
 const LEAST_WEIGHT: f64 = 1e-4;
@@ -160,12 +165,28 @@ pub struct Worker<'s> {
     rows: Vec<f64>,
     monomials: Monomials,
     order: FactorOrder,
-    deferred: Vec<Interface>,
+    caustics: Option<&'s dyn Caustics>,
+    deferred: Vec<Later>,
+    /// Light that was found at a place; its sums by products of spectra, and the squares of their standard errors.
+    arriving: Vec<Arriving>,
+    sums: Vec<(u32, [f64; 2], [f64; 2])>,
+    /// The standard errors of the pixel's light by way of mirrors and glass, and whether those of all waves have been counted.
+    noise: Radiance,
+    is_noise_counted: bool,
     known: KnownCells,
     scratch: Scratch,
     points: SobolSequence,
     samples: u32,
     rays: u64,
+}
+
+/// Light whose way depends on the wavelength.
+#[derive(Clone, Debug)]
+enum Later {
+    /// Where a path met a boundary.
+    Boundary(Interface),
+    /// Where light comes to a surface.
+    Dispersed(Dispersed),
 }
 
 /// Where a path is: what its light is multiplied by, and how it was deferred.
@@ -180,8 +201,8 @@ struct Path {
     scattered: bool,
     /// Its number among the pixel's paths at this depth.
     index: u32,
-    /// The wavelength in nm, once the path depends on it.
-    wavelength: Option<f64>,
+    /// The waves that it is followed for, once it depends on them.
+    band: Option<Band>,
     /// The way's length counts for absorption by the interior of this shape.
     interior: Option<u32>,
 }
@@ -195,7 +216,12 @@ impl<'s> Worker<'s> {
             rows: Vec::new(),
             monomials: Monomials::new(order),
             order,
+            caustics: None,
             deferred: Vec::new(),
+            arriving: Vec::new(),
+            sums: Vec::new(),
+            noise: Radiance::default(),
+            is_noise_counted: false,
             known: KnownCells::default(),
             scratch: Scratch::default(),
             points: SobolSequence::new(0),
@@ -242,6 +268,8 @@ impl<'s> Worker<'s> {
     pub fn start_pixel(&mut self, points: SobolSequence) {
         self.deferred.clear();
         self.rows.clear();
+        self.noise = Radiance::default();
+        self.is_noise_counted = false;
         self.points = points;
         self.samples = 0;
     }
@@ -257,7 +285,7 @@ impl<'s> Worker<'s> {
             depth: 0,
             scattered: false,
             index: self.samples,
-            wavelength: None,
+            band: None,
             interior: None,
         };
         self.samples = self.samples.wrapping_add(1);
@@ -307,10 +335,12 @@ impl<'s> Worker<'s> {
                         Lobe::Glossy(lobe) => self.glossy(hit, direction, path, (factor, lobe), radiance),
                     }
                 }
+                self.caustic(hit, direction, path, radiance);
             }
             Some(Material::Schlick { reflectance, roughness, isotropy }) => {
                 if let Ok(model) = Schlick::new(*roughness, *isotropy) {
                     self.schlick(hit, direction, path, *reflectance, (&model, *roughness), radiance);
+                    self.caustic(hit, direction, path, radiance);
                 }
             }
             Some(Material::Mirror(factors)) => {
@@ -332,7 +362,7 @@ impl<'s> Worker<'s> {
             return path;
         };
         let distance = f64::from((hit.position - ray.origin).length());
-        let remaining = medium.remaining(distance, path.wavelength.unwrap_or(0.0));
+        let remaining = medium.remaining(distance, path.band.map_or(0.0, |band| band.wavelength));
         Path { weight: path.weight * remaining, ..path }
     }
 
@@ -519,8 +549,15 @@ impl Tracer for Worker<'_> {
         &self.monomials
     }
 
-    fn trace(&mut self, deferred: Deferred, wavelength: f64) -> Radiance {
-        self.expand(deferred.0 as usize, wavelength)
+    fn trace(&mut self, deferred: Deferred, band: Band) -> Radiance {
+        self.expand(deferred.0 as usize, band)
+    }
+
+    fn trace_gathered(&mut self, deferred: Deferred) -> Radiance {
+        let caustics = self.caustics.take();
+        let light = self.expand(deferred.0 as usize, Band::single(MEAN_WAVELENGTH));
+        self.caustics = caustics;
+        light
     }
 
     fn row(&self, gathered: Gathered) -> &[f64] {

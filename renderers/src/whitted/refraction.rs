@@ -3,11 +3,11 @@
 use glam::DVec3;
 use spectral_core::fresnel;
 
-use super::{Path, Surface, Worker, mirror_ray, receiver};
+use super::{Later, Path, Surface, Worker, mirror_ray, receiver};
 use crate::direct::single;
 use crate::geometry::Hit;
 use crate::material::{Dielectric, Material};
-use crate::spectral::{Deferred, Monomial, Radiance};
+use crate::spectral::{Band, Deferred, Monomial, Radiance};
 
 /// Where light met a boundary between media with a wavelength-dependent index.
 #[derive(Clone, Debug)]
@@ -29,19 +29,19 @@ impl Worker<'_> {
         dielectric: &Dielectric,
         radiance: &mut Radiance,
     ) {
-        if path.wavelength.is_none() && !dielectric.is_wavelength_free() {
+        if path.band.is_none() && !dielectric.is_wavelength_free() {
             let mut reflected = Radiance::default();
             let unit = Path { monomial: Monomial::default(), ..path };
             let by = self.times(unit, dielectric.reflectance);
             self.follow(&mirror_ray(&hit, direction), by, path.interior, &mut reflected);
             let interface = Interface { hit, direction, reflected, path };
             let number = u32::try_from(self.deferred.len()).unwrap_or(u32::MAX);
-            self.deferred.push(interface);
+            self.deferred.push(Later::Boundary(interface));
             // The interface's own light already counts for the path's weight.
             radiance.defer(Deferred(number), path.monomial, 1.0);
             return;
         }
-        let (share, refracted) = boundary(dielectric, &hit, direction, path.wavelength.unwrap_or(0.0));
+        let (share, refracted) = boundary(dielectric, &hit, direction, path.band.map_or(0.0, |band| band.wavelength));
         let mirrored = self.times(Path { weight: path.weight * share, ..path }, dielectric.reflectance);
         self.follow(&mirror_ray(&hit, direction), mirrored, path.interior, radiance);
         if let Some(onward) = refracted {
@@ -57,17 +57,24 @@ impl Worker<'_> {
         self.follow(&hit.point().ray(single(onward)), through, interior, radiance);
     }
 
-    /// The light of an interface at a wavelength: nothing in it is deferred.
-    pub(super) fn expand(&mut self, number: usize, wavelength: f64) -> Radiance {
+    /// Deferred light for some waves: nothing in it is deferred.
+    pub(super) fn expand(&mut self, number: usize, band: Band) -> Radiance {
+        match self.deferred.get(number).cloned() {
+            None => Radiance::default(),
+            Some(Later::Boundary(interface)) => self.expand_boundary(&interface, band),
+            Some(Later::Dispersed(place)) => self.dispersed(&place, band),
+        }
+    }
+
+    fn expand_boundary(&mut self, interface: &Interface, band: Band) -> Radiance {
         let mut light = Radiance::default();
         let scene = self.scene;
-        let Some(interface) = self.deferred.get(number).cloned() else { return light };
         let Some(Surface { material: Material::Dielectric(dielectric), .. }) =
             scene.surfaces.get(interface.hit.shape as usize)
         else {
             return light;
         };
-        let (share, refracted) = boundary(dielectric, &interface.hit, interface.direction, wavelength);
+        let (share, refracted) = boundary(dielectric, &interface.hit, interface.direction, band.wavelength);
         for (monomial, weight) in interface.reflected.terms() {
             light.add(*monomial, share * weight);
         }
@@ -75,7 +82,7 @@ impl Worker<'_> {
             light.gather(*gathered, *monomial, share * weight);
         }
         for (nested, monomial, weight) in interface.reflected.deferred() {
-            let inner = self.expand(nested.0 as usize, wavelength);
+            let inner = self.expand(nested.0 as usize, band);
             for (gathered, factor, inner_weight) in inner.gathered() {
                 let product = self.monomials.product(*monomial, *factor);
                 light.gather(*gathered, product, share * weight * inner_weight);
@@ -89,7 +96,7 @@ impl Worker<'_> {
             let path = Path {
                 monomial: Monomial::default(),
                 weight: interface.path.weight * (1.0 - share),
-                wavelength: Some(wavelength),
+                band: Some(band),
                 interior: None,
                 ..interface.path
             };

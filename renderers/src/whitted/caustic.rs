@@ -1,0 +1,203 @@
+//! Light that reaches surfaces by way of mirrors and glass, from whatever finds it.
+
+use glam::DVec3;
+use spectral_core::brdf::Schlick;
+
+use super::{Path, Worker, receiver, schlick_terms};
+use crate::direct::{Part, Receiver};
+use crate::frame::Frame;
+use crate::geometry::Hit;
+use crate::material::{Glossy, Lobe, Material};
+use crate::spectral::{Band, Deferred, Factor, Monomial, Radiance};
+
+/// Light that reaches surfaces by way of mirrors and glass: paths L S⁺ D.
+pub(crate) trait Caustics: Sync {
+    /// Finds the light that reaches a place on a surface: on the side that was hit, by ways that are the same for all waves if there is no
+    /// band, or by those that are not, for the waves of a band. What is found is added to `found`.
+    fn arriving(&self, hit: &Hit, band: Option<Band>, found: &mut Vec<Arriving>);
+
+    /// Whether light reaches a place by ways that depend on the wavelength.
+    fn is_dispersed(&self, hit: &Hit) -> bool;
+
+    /// The leaves of a product of spectra, from the eye to the light.
+    fn leaves(&self, spectrum: u32) -> &[u32];
+}
+
+/// Light that reaches a surface from one direction.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Arriving {
+    /// The unit vector to where it comes from.
+    pub(crate) direction: DVec3,
+    /// Its irradiance for a spectrum of 1.
+    pub(crate) irradiance: f64,
+    /// The standard error of that, all light that was found with it together.
+    pub(crate) error: f64,
+    /// The product of spectra that it is multiplied by.
+    pub(crate) spectrum: u32,
+}
+
+/// Light at a surface whose way there depends on the wavelength.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Dispersed {
+    pub(super) hit: Hit,
+    /// The direction in which the surface is looked at.
+    pub(super) direction: DVec3,
+    pub(super) path: Path,
+}
+
+/// What a surface makes of light from a direction: a sum of two spectra, each times a BRDF in 1/sr.
+enum Response<'m> {
+    Diffuse(Factor),
+    Layered { frame: Frame, view: [f64; 3], base: Option<Factor>, lobe: Glossy<'m>, specular: Factor },
+    Schlick { model: Schlick<f64>, receiver: Receiver, view: DVec3, tangent: DVec3, reflectance: Factor },
+}
+
+impl Response<'_> {
+    /// The factors of the two spectra; `None` for a spectrum of 1.
+    const fn factors(&self) -> [Option<Factor>; 2] {
+        match self {
+            Self::Diffuse(factor) => [Some(*factor), None],
+            Self::Layered { base, specular, .. } => [*base, Some(*specular)],
+            Self::Schlick { reflectance, .. } => [Some(*reflectance), None],
+        }
+    }
+
+    /// The BRDF for light from a direction.
+    fn towards(&self, direction: DVec3) -> [f64; 2] {
+        let lambert = core::f64::consts::FRAC_1_PI;
+        match self {
+            Self::Diffuse(_) => [lambert, 0.0],
+            Self::Layered { frame, view, base, lobe, .. } => {
+                let light = frame.to_local(direction);
+                let glossy = if light[2] > 0.0 { lobe.evaluate(light, *view) } else { 0.0 };
+                [if base.is_some() { lambert } else { 0.0 }, glossy]
+            }
+            Self::Schlick { model, receiver, view, tangent, .. } => {
+                let part = Part { direction, irradiance: 1.0 };
+                let (geometric, fresnel) = schlick_terms(model, receiver, *view, *tangent, &part);
+                [geometric * (1.0 - fresnel), geometric * fresnel]
+            }
+        }
+    }
+}
+
+impl<'s> Worker<'s> {
+    /// The same with light by way of mirrors and glass on surfaces.
+    #[must_use]
+    pub(crate) fn with_caustics(mut self, caustics: &'s dyn Caustics) -> Self {
+        self.caustics = Some(caustics);
+        self
+    }
+
+    /// Adds what a surface reflects of light that comes by way of mirrors and glass; what depends on the wavelength is deferred.
+    pub(super) fn caustic(&mut self, hit: &Hit, direction: DVec3, path: Path, radiance: &mut Radiance) {
+        let Some(caustics) = self.caustics else { return };
+        self.arriving(hit, direction, path, None, radiance);
+        if !caustics.is_dispersed(hit) {
+            return;
+        }
+        if path.band.is_some() {
+            self.arriving(hit, direction, path, path.band, radiance);
+            return;
+        }
+        let number = u32::try_from(self.deferred.len()).unwrap_or(u32::MAX);
+        self.deferred.push(super::Later::Dispersed(Dispersed { hit: *hit, direction, path }));
+        radiance.defer(Deferred(number), path.monomial, 1.0);
+    }
+
+    /// The light of a place for a band.
+    pub(super) fn dispersed(&mut self, place: &Dispersed, band: Band) -> Radiance {
+        let mut light = Radiance::default();
+        let path = Path { monomial: Monomial::default(), ..place.path };
+        self.arriving(&place.hit, place.direction, path, Some(band), &mut light);
+        light
+    }
+
+    /// Adds what a surface reflects of the light that reaches it for some waves.
+    fn arriving(&mut self, hit: &Hit, direction: DVec3, path: Path, band: Option<Band>, radiance: &mut Radiance) {
+        let Some(caustics) = self.caustics else { return };
+        let mut found = core::mem::take(&mut self.arriving);
+        found.clear();
+        caustics.arriving(hit, band, &mut found);
+        if let (false, Some(response)) = (found.is_empty(), self.response(hit, direction)) {
+            let noise = self.noise_share(band);
+            self.reflected(&found, &response, (path, noise), radiance);
+        }
+        self.arriving = found;
+    }
+
+    /// The part of a band's errors that counts: light that was asked for as a whole is asked for again in parts.
+    const fn noise_share(&mut self, band: Option<Band>) -> f64 {
+        let share = match band {
+            None => return 1.0,
+            Some(band) => band.share(),
+        };
+        let is_whole = share == 0.0 || share == 1.0;
+        self.is_noise_counted |= is_whole;
+        if is_whole {
+            1.0
+        } else if self.is_noise_counted {
+            0.0
+        } else {
+            share
+        }
+    }
+
+    fn reflected(
+        &mut self,
+        found: &[Arriving],
+        response: &Response<'_>,
+        (path, noise): (Path, f64),
+        radiance: &mut Radiance,
+    ) {
+        let Some(caustics) = self.caustics else { return };
+        self.sums.clear();
+        for Arriving { direction, irradiance, error, spectrum } in found {
+            let shares = response.towards(*direction);
+            let place = self.sums.iter().position(|(known, ..)| known == spectrum).unwrap_or_else(|| {
+                self.sums.push((*spectrum, [0.0; 2], [0.0; 2]));
+                self.sums.len() - 1
+            });
+            let (_, sums, errors) = &mut self.sums[place];
+            for (share, (sum, squares)) in shares.iter().zip(sums.iter_mut().zip(errors)) {
+                *sum += share * irradiance;
+                *squares += (share * error) * (share * error);
+            }
+        }
+        for number in 0..self.sums.len() {
+            let (spectrum, sums, squares) = self.sums[number];
+            for ((factor, sum), squares) in response.factors().into_iter().zip(sums).zip(squares) {
+                if sum == 0.0 {
+                    continue;
+                }
+                let through = factor.map_or(path, |factor| self.times(path, factor));
+                let leaves = caustics.leaves(spectrum).iter();
+                let monomial = leaves.fold(through.monomial, |m, leaf| self.monomials.times_leaf(m, *leaf));
+                radiance.add(monomial, through.weight * sum);
+                self.noise.add(monomial, noise * through.weight * squares.sqrt());
+            }
+        }
+    }
+
+    /// What the surface that was hit makes of light; `None` if it scatters none.
+    fn response(&self, hit: &Hit, direction: DVec3) -> Option<Response<'s>> {
+        let scene = self.scene;
+        let material = scene.material(hit)?;
+        if let Material::Schlick { reflectance, roughness, isotropy } = material {
+            let model = Schlick::new(*roughness, *isotropy).ok()?;
+            let receiver = receiver(hit);
+            let (tangent, _) = receiver.normal.any_orthonormal_pair();
+            return Some(Response::Schlick { model, receiver, view: -direction, tangent, reflectance: *reflectance });
+        }
+        match material.lobes() {
+            [Some((factor, Lobe::Lambert)), None] => Some(Response::Diffuse(factor)),
+            [base, Some((specular, Lobe::Glossy(lobe)))] => {
+                let frame = scene.frame(hit)?;
+                let view = frame.to_local(-direction);
+                let base = base.map(|(factor, _)| factor);
+                (view[2] > 0.0).then_some(Response::Layered { frame, view, base, lobe, specular })
+            }
+            _ => None,
+        }
+    }
+}
