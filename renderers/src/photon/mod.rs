@@ -4,9 +4,12 @@
 //! meets a medium in which light behaves differently by wavelength, it stands for the whole spectrum, as a product of spectra. Behind such a
 //! medium it stands for a bundle of waves: it is thrown again for each interval that a pixel asks for.
 
+mod curves;
 mod spectra;
+mod waves;
 
 pub(crate) use spectra::Spectra;
+pub use waves::Bundle;
 
 /// Light where it met a surface that scatters it.
 #[derive(Clone, Copy, Debug, PartialEq)]
