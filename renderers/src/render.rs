@@ -1,6 +1,7 @@
 //! Rendering a scene to pictures: the loop over pixels, the same for every spectral representation.
 
 mod between;
+mod photons;
 
 use core::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::Mutex;
@@ -8,6 +9,7 @@ use std::time::Instant;
 
 use spectral_core::adaptive::Mode;
 use spectral_core::bilinear::Tensor;
+use spectral_core::bound::delta_e_bound;
 use spectral_core::colour::rgb;
 
 use rayon::prelude::*;
@@ -19,11 +21,12 @@ use crate::path;
 use crate::scene::{self, Scene};
 use crate::spectral::{
     Band, Colour, ComponentResolver, Components, FactorOrder, IntervalMemory, IntervalSettings, Intervals, Palette,
-    Radiance, Resolver, Role, SharedIntervals, Tracer, Uniform, UniformBins,
+    Radiance, Resolver, Role, SharedIntervals, Tracer, Uniform, UniformBins, Y_INTEGRAL,
 };
-use crate::whitted::{Indirect, RenderError, Whitted, Worker};
+use crate::whitted::{Caustics, Indirect, RenderError, Whitted, Worker};
 
 pub use between::BetweenReport;
+pub use photons::{PhotonOptions, PhotonReport};
 
 /// Pixels along the side of the squares that threads take in turn.
 const TILE: usize = 16;
@@ -40,6 +43,8 @@ pub enum Renderer {
     Whitted,
     /// The same, with all light between diffuse surfaces: [`crate::radiosity`].
     Radiosity,
+    /// The same, with light by way of mirrors and glass: [`crate::photon`].
+    PhotonMap,
     /// All light, by paths at random: [`crate::path`].
     Path,
 }
@@ -49,6 +54,7 @@ impl core::fmt::Display for Renderer {
         f.write_str(match self {
             Self::Whitted => "whitted",
             Self::Radiosity => "radiosity",
+            Self::PhotonMap => "photon-map",
             Self::Path => "path",
         })
     }
@@ -119,9 +125,11 @@ pub struct Options {
     pub seed: Option<u64>,
     /// How light between surfaces is found, by renderers that do.
     pub between: BetweenOptions,
+    /// How light by way of mirrors and glass is found, by the one that does.
+    pub photons: PhotonOptions,
 }
 
-/// How [`Renderer::Radiosity`] finds light between surfaces.
+/// How [`Renderer::Radiosity`] and [`Renderer::PhotonMap`] find light between surfaces.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BetweenOptions {
     /// The relative error of indirect irradiance that is aimed at.
@@ -156,6 +164,8 @@ pub struct Rendering {
     pub delta_e: Option<ScalarMap>,
     /// The part of the bound that is an estimate of deferred paths' errors.
     pub path_delta_e: Option<ScalarMap>,
+    /// What a standard error of the light found by photons counts for in each pixel, a ΔE*ab: not part of the bound.
+    pub photon_delta_e: Option<ScalarMap>,
     /// The variance of each pixel, of renderers that sample at random; `None` of a single sample.
     pub variance: Option<Variance>,
     /// Camera rays per pixel.
@@ -168,6 +178,8 @@ pub struct Rendering {
     pub preparation_seconds: f64,
     /// What became of the light between surfaces, by renderers that find it.
     pub between: Option<BetweenReport>,
+    /// What became of the photons, by the renderer that throws some.
+    pub photons: Option<PhotonReport>,
 }
 
 /// Is told how far rendering is; from any thread.
@@ -230,18 +242,38 @@ pub fn render_watched(scene: &Scene, options: &Options, watch: &dyn Watch) -> Re
         scene: &whitted,
         order: options.spectra.factor_order(),
         indirect: None,
+        caustics: None,
         watch,
     };
     let (size, samples) = (frame.size, frame.samples);
-    let (pixels, bounded, between) = if options.renderer == Renderer::Radiosity {
+    let maps = if options.renderer == Renderer::PhotonMap {
+        Some(photons::throw(scene, &whitted, &options.photons, frame.seed, watch)?)
+    } else {
+        None
+    };
+    let frame = Frame { caustics: maps.as_ref().map(|maps| maps as &dyn Caustics), ..frame };
+    let (pixels, bounded, between) = if options.has_light_between() {
         let (pixels, bounded, report) = between::render(scene, options, frame, palette, watch)?;
         (pixels, bounded, Some(report))
     } else {
         let (pixels, bounded) = ambient(scene, options, &frame, &palette, start)?;
         (pixels, bounded, None)
     };
+    let photons = maps.as_ref().map(PhotonReport::new);
     let rendering = pixels.into_rendering(size, samples, bounded).map_err(|e| RenderError::new(e.to_string()))?;
-    Ok(Rendering { between, ..rendering })
+    let photon_delta_e = rendering.photon_delta_e.filter(|_| photons.is_some());
+    Ok(Rendering { between, photons, photon_delta_e, ..rendering })
+}
+
+impl Options {
+    /// Whether light between surfaces takes the place of the ambient term.
+    fn has_light_between(&self) -> bool {
+        match self.renderer {
+            Renderer::Radiosity => true,
+            Renderer::PhotonMap => self.photons.between,
+            Renderer::Whitted | Renderer::Path => false,
+        }
+    }
 }
 
 /// Whitted's ray tracing with an ambient term.
@@ -334,6 +366,8 @@ struct Frame<'s> {
     order: FactorOrder,
     /// Light between surfaces, in place of the ambient term.
     indirect: Option<&'s dyn Indirect>,
+    /// Light by way of mirrors and glass.
+    caustics: Option<&'s dyn Caustics>,
     watch: &'s dyn Watch,
 }
 
@@ -390,6 +424,9 @@ impl Frame<'_> {
             if let Some(indirect) = self.indirect {
                 worker = worker.with_indirect(indirect);
             }
+            if let Some(caustics) = self.caustics {
+                worker = worker.with_caustics(caustics);
+            }
             let mut resolver = new_resolver();
             let mut colours = Vec::with_capacity(TILE * TILE);
             loop {
@@ -441,8 +478,26 @@ impl Frame<'_> {
             let [dx, dy] = self.filter.square_to_offset(points.point(sample, 0)).map(f64::from);
             worker.sample(x as f64 + 0.5 + dx, y as f64 + 0.5 + dy, weight, &mut radiance);
         }
-        resolver.resolve(&radiance, worker)
+        let colour = resolver.resolve(&radiance, worker);
+        Colour { photon_delta_e: noise(colour.xyz, worker, resolver), ..colour }
     }
+}
+
+/// The ΔE*ab of a standard error of the light that photons found.
+fn noise<R: Resolver>(xyz: [f64; 3], worker: &mut Worker<'_>, resolver: &mut R) -> f64 {
+    let noise = worker.take_noise();
+    if noise.terms().is_empty() {
+        return 0.0;
+    }
+    let mut squares = [0.0; 3];
+    for (monomial, error) in noise.terms() {
+        let mut one = Radiance::default();
+        one.add(*monomial, *error);
+        let part = resolver.resolve(&one, worker).xyz;
+        squares = core::array::from_fn(|a| squares[a] + part[a] * part[a]);
+    }
+    let scaled = |v: [f64; 3]| v.map(|v| v * Y_INTEGRAL);
+    delta_e_bound(scaled(xyz), scaled(squares.map(f64::sqrt)), scaled(rgb::WHITE)).delta_e
 }
 
 impl Pixels {
@@ -454,12 +509,14 @@ impl Pixels {
             intervals: raster.map(|c| c.intervals as f32),
             delta_e: bounded.then(|| raster.map(|c| single_above(c.delta_e))),
             path_delta_e: bounded.then(|| raster.map(|c| single_above(c.path_delta_e))),
+            photon_delta_e: Some(raster.map(|c| single_above(c.photon_delta_e))),
             variance: None,
             samples,
             rays: self.rays,
             seconds: self.seconds,
             preparation_seconds: self.preparation_seconds,
             between: None,
+            photons: None,
         })
     }
 }

@@ -6,6 +6,7 @@ mod brdf;
 mod compare;
 mod illuminance;
 mod light;
+mod photons;
 mod relight;
 mod render;
 mod scene;

@@ -341,6 +341,8 @@ impl Frame<'_> {
             intervals,
             delta_e: None,
             path_delta_e: None,
+            photon_delta_e: None,
+            photons: None,
             variance,
             samples: self.samples,
             rays,

@@ -1,5 +1,7 @@
 //! Light that reaches surfaces by way of mirrors and glass, from whatever finds it.
 
+use alloc::sync::Arc;
+
 use glam::DVec3;
 use spectral_core::brdf::Schlick;
 
@@ -8,19 +10,25 @@ use crate::direct::{Part, Receiver};
 use crate::frame::Frame;
 use crate::geometry::Hit;
 use crate::material::{Glossy, Lobe, Material};
+use crate::photon::{Estimate, Spectra};
 use crate::spectral::{Band, Deferred, Factor, Monomial, Radiance};
 
 /// Light that reaches surfaces by way of mirrors and glass: paths L S⁺ D.
 pub(crate) trait Caustics: Sync {
     /// Finds the light that reaches a place on a surface: on the side that was hit, by ways that are the same for all waves if there is no
-    /// band, or by those that are not, for the waves of a band. What is found is added to `found`.
-    fn arriving(&self, hit: &Hit, band: Option<Band>, found: &mut Vec<Arriving>);
+    /// band, or by those that are not, for the waves of a band. What is found is added to `found`; returned are the products of spectra that
+    /// it refers to.
+    fn arriving(&self, hit: &Hit, band: Option<Band>, found: &mut Arrived) -> Arc<Spectra>;
 
     /// Whether light reaches a place by ways that depend on the wavelength.
     fn is_dispersed(&self, hit: &Hit) -> bool;
+}
 
-    /// The leaves of a product of spectra, from the eye to the light.
-    fn leaves(&self, spectrum: u32) -> &[u32];
+/// What was found at a place, with memory to find it.
+#[derive(Debug, Default)]
+pub(crate) struct Arrived {
+    pub(crate) list: Vec<Arriving>,
+    pub(crate) scratch: Estimate,
 }
 
 /// Light that reaches a surface from one direction.
@@ -30,7 +38,7 @@ pub(crate) struct Arriving {
     pub(crate) direction: DVec3,
     /// Its irradiance for a spectrum of 1.
     pub(crate) irradiance: f64,
-    /// The standard error of that, all light that was found with it together.
+    /// Its part of the standard error: the squares of the parts of all that was found together add up to that of the sum.
     pub(crate) error: f64,
     /// The product of spectra that it is multiplied by.
     pub(crate) spectrum: u32,
@@ -89,6 +97,11 @@ impl<'s> Worker<'s> {
         self
     }
 
+    /// The standard errors of the pixel's light by way of mirrors and glass, by products of spectra; they are forgotten.
+    pub(crate) fn take_noise(&mut self) -> Radiance {
+        core::mem::take(&mut self.noise)
+    }
+
     /// Adds what a surface reflects of light that comes by way of mirrors and glass; what depends on the wavelength is deferred.
     pub(super) fn caustic(&mut self, hit: &Hit, direction: DVec3, path: Path, radiance: &mut Radiance) {
         let Some(caustics) = self.caustics else { return };
@@ -117,11 +130,11 @@ impl<'s> Worker<'s> {
     fn arriving(&mut self, hit: &Hit, direction: DVec3, path: Path, band: Option<Band>, radiance: &mut Radiance) {
         let Some(caustics) = self.caustics else { return };
         let mut found = core::mem::take(&mut self.arriving);
-        found.clear();
-        caustics.arriving(hit, band, &mut found);
-        if let (false, Some(response)) = (found.is_empty(), self.response(hit, direction)) {
+        found.list.clear();
+        let spectra = caustics.arriving(hit, band, &mut found);
+        if let (false, Some(response)) = (found.list.is_empty(), self.response(hit, direction)) {
             let noise = self.noise_share(band);
-            self.reflected(&found, &response, (path, noise), radiance);
+            self.reflected((&found.list, &spectra), &response, (path, noise), radiance);
         }
         self.arriving = found;
     }
@@ -145,12 +158,11 @@ impl<'s> Worker<'s> {
 
     fn reflected(
         &mut self,
-        found: &[Arriving],
+        (found, spectra): (&[Arriving], &Spectra),
         response: &Response<'_>,
         (path, noise): (Path, f64),
         radiance: &mut Radiance,
     ) {
-        let Some(caustics) = self.caustics else { return };
         self.sums.clear();
         for Arriving { direction, irradiance, error, spectrum } in found {
             let shares = response.towards(*direction);
@@ -171,7 +183,7 @@ impl<'s> Worker<'s> {
                     continue;
                 }
                 let through = factor.map_or(path, |factor| self.times(path, factor));
-                let leaves = caustics.leaves(spectrum).iter();
+                let leaves = spectra.leaves(spectrum).iter();
                 let monomial = leaves.fold(through.monomial, |m, leaf| self.monomials.times_leaf(m, *leaf));
                 radiance.add(monomial, through.weight * sum);
                 self.noise.add(monomial, noise * through.weight * squares.sqrt());

@@ -21,7 +21,7 @@ mod glossy;
 mod refraction;
 
 pub(crate) use build::camera;
-pub(crate) use caustic::{Arriving, Caustics};
+pub(crate) use caustic::{Arrived, Arriving, Caustics};
 
 use glam::DVec3;
 use spectral_core::brdf::Schlick;
@@ -168,7 +168,7 @@ pub struct Worker<'s> {
     caustics: Option<&'s dyn Caustics>,
     deferred: Vec<Later>,
     /// Light that was found at a place; its sums by products of spectra, and the squares of their standard errors.
-    arriving: Vec<Arriving>,
+    arriving: Arrived,
     sums: Vec<(u32, [f64; 2], [f64; 2])>,
     /// The standard errors of the pixel's light by way of mirrors and glass, and whether those of all waves have been counted.
     noise: Radiance,
@@ -218,7 +218,7 @@ impl<'s> Worker<'s> {
             order,
             caustics: None,
             deferred: Vec::new(),
-            arriving: Vec::new(),
+            arriving: Arrived::default(),
             sums: Vec::new(),
             noise: Radiance::default(),
             is_noise_counted: false,
