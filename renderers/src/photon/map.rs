@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use super::Photon;
 
 /// Photons in a leaf: a few vector registers for each coordinate.
-const LEAF: usize = 8;
+const LEAF: usize = 16;
 /// Trees of fewer photons are built by one thread.
 const PARALLEL: usize = 4096;
 /// Leaves are numbered by 32 bits, so a tree has fewer levels than this.
@@ -102,7 +102,8 @@ impl PhotonMap {
         let mut items = items(&photons);
         let trees = trees(&photons, &items);
         let count = trees.last().map_or(0, |tree| tree.leaves.end);
-        let mut map = Self { leaves: vec![[[0.0; LEAF]; 3]; count], nodes: vec![Node::default(); count], ..Self::default() };
+        let mut map =
+            Self { leaves: vec![[[0.0; LEAF]; 3]; count], nodes: vec![Node::default(); count], ..Self::default() };
         map.trees = build_all(trees, &mut items, &mut map.leaves, &mut map.nodes);
         map.origins = items.iter().map(|item| item.origin).collect();
         map.photons = map.origins.par_iter().with_min_len(PARALLEL).map(|origin| photons[*origin as usize]).collect();
@@ -222,8 +223,8 @@ impl Search<'_> {
             let d = [x[i] - p[0], y[i] - p[1], z[i] - p[2]];
             let distance2 = square(d);
             let height = n[0] * d[0] + n[1] * d[1] + n[2] * d[2];
-            let counts = (distance2 <= self.limit)
-                & (height * height <= thickness * thickness + slope * slope * distance2);
+            let counts =
+                (distance2 <= self.limit) & (height * height <= thickness * thickness + slope * slope * distance2);
             distances[i] = distance2;
             mask |= u32::from(counts) << i;
         }

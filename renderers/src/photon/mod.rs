@@ -4,6 +4,9 @@
 //! meets a medium in which light behaves differently by wavelength, it stands for the whole spectrum, as a product of spectra. Behind such a
 //! medium it stands for a bundle of waves: it is thrown again for each interval that a pixel asks for.
 
+mod density;
+mod extent;
+mod kernel;
 mod map;
 mod spectra;
 
