@@ -4,9 +4,23 @@
 //! meets a medium in which light behaves differently by wavelength, it stands for the whole spectrum, as a product of spectra. Behind such a
 //! medium it stands for a bundle of waves: it is thrown again for each interval that a pixel asks for.
 
+mod account;
+mod aim;
+mod beam;
+mod emission;
+mod points;
+mod products;
 mod spectra;
+mod target;
+#[cfg(test)]
+mod tests;
+mod trace;
 
+pub(crate) use account::Account;
+pub(crate) use beam::Beam;
+pub(crate) use emission::{Emission, Emitted, Settings, Thrown};
 pub(crate) use spectra::Spectra;
+pub(crate) use trace::{Limits, Prefix};
 
 /// Light where it met a surface that scatters it.
 #[derive(Clone, Copy, Debug, PartialEq)]
