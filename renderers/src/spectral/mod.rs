@@ -17,8 +17,8 @@ pub use components::{ComponentResolver, Components};
 pub use gathered::{RowColour, WithGathered};
 pub use interval::{IntervalMemory, IntervalSettings, Intervals, SharedIntervals};
 pub use palette::{Factor, Palette, Role, Tabulated};
-pub(crate) use radiance::PairHasher;
 pub use radiance::{Deferred, FactorOrder, Gathered, Monomial, Monomials, Radiance};
+pub(crate) use radiance::{PairBuild, PairHasher};
 pub use uniform::{Uniform, UniformBins};
 
 /// ∫ȳ of the CIE 1931 observer over 380–780 nm in nm, at 1 nm, exact for its linear interpolation: what divides ∫Lȳ so that a flat
