@@ -26,7 +26,7 @@ use crate::spectral::{
 use crate::whitted::{Caustics, Indirect, RenderError, Whitted, Worker};
 
 pub use between::BetweenReport;
-pub use photons::{PhotonOptions, PhotonReport};
+pub use photons::{FluxShares, PhotonCount, PhotonOptions, PhotonReport};
 
 /// Pixels along the side of the squares that threads take in turn.
 const TILE: usize = 16;
@@ -246,11 +246,13 @@ pub fn render_watched(scene: &Scene, options: &Options, watch: &dyn Watch) -> Re
         watch,
     };
     let (size, samples) = (frame.size, frame.samples);
+    let throwing = Instant::now();
     let maps = if options.renderer == Renderer::PhotonMap {
-        Some(photons::throw(scene, &whitted, &options.photons, frame.seed, watch)?)
+        Some(photons::throw((scene, &whitted), &palette, &options.photons, frame.seed, watch)?)
     } else {
         None
     };
+    let thrown = throwing.elapsed().as_secs_f64();
     let frame = Frame { caustics: maps.as_ref().map(|maps| maps as &dyn Caustics), ..frame };
     let (pixels, bounded, between) = if options.has_light_between() {
         let (pixels, bounded, report) = between::render(scene, options, frame, palette, watch)?;
@@ -259,7 +261,7 @@ pub fn render_watched(scene: &Scene, options: &Options, watch: &dyn Watch) -> Re
         let (pixels, bounded) = ambient(scene, options, &frame, &palette, start)?;
         (pixels, bounded, None)
     };
-    let photons = maps.as_ref().map(PhotonReport::new);
+    let photons = maps.as_ref().map(|maps| PhotonReport::new(maps, thrown));
     let rendering = pixels.into_rendering(size, samples, bounded).map_err(|e| RenderError::new(e.to_string()))?;
     let photon_delta_e = rendering.photon_delta_e.filter(|_| photons.is_some());
     Ok(Rendering { between, photons, photon_delta_e, ..rendering })

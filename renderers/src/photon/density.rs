@@ -124,6 +124,12 @@ impl Estimate {
         self.near.iter().map(|near| near.photon).zip(self.weights.iter().copied())
     }
 
+    /// What each photon's contribution is multiplied by for its part of the error: the squares of these parts add up to that of the standard
+    /// error and the bias together.
+    pub(crate) fn error_of_a_photon(&self) -> f64 {
+        if self.standard_error > 0.0 { (1.0 + (self.bias / self.standard_error).powi(2)).sqrt() } else { 0.0 }
+    }
+
     /// The standard error over the value; 0 if nothing was found.
     pub(crate) fn relative_error(&self) -> f64 {
         if self.value > 0.0 { self.standard_error / self.value } else { 0.0 }
@@ -197,6 +203,28 @@ impl Density {
         };
         estimate.bias = levels.bias(level);
         self.weigh(estimate, levels.mass_of(place, self.kernel, level), levels.radius2(level));
+    }
+
+    /// Whether there are photons about a place.
+    pub(crate) fn finds(&self, map: &PhotonMap, place: &Place<'_>, estimate: &mut Estimate) -> bool {
+        let coordinate = place.position.iter().fold(0.0, |most: f32, x| most.max(x.abs()));
+        estimate.clear();
+        map.nearest(place.surface, &region(place, self.radius, coordinate), 1, &mut estimate.near);
+        !estimate.near.is_empty()
+    }
+
+    /// The distance within which half of the photons have as many others as an estimate takes at most, in scene units: by some of them.
+    pub(crate) fn usual_radius(&self, map: &PhotonMap) -> f32 {
+        const SOME: usize = 512;
+        let mut near = Vec::new();
+        let stride = map.len().div_ceil(SOME).max(1);
+        let radius_of = |photon: &Photon| {
+            map.nearest(photon.surface, &Region::ball(photon.position, self.radius), self.count, &mut near);
+            near.last().map_or(0.0, |last| last.distance2.sqrt())
+        };
+        let mut radii: Vec<f32> = map.photons().iter().step_by(stride).map(radius_of).collect();
+        let middle = radii.len() / 2;
+        if radii.is_empty() { 0.0 } else { *radii.select_nth_unstable_by(middle, f32::total_cmp).1 }
     }
 
     /// Gives the photons their weights, for the square of a radius and the kernel's share on the face.

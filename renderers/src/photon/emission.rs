@@ -11,7 +11,6 @@ use super::target::Target;
 use super::trace::{Landing, Limits, Prefix, Start, Surroundings, Walk};
 use super::{Photon, Scattered, Spectra};
 use crate::material::Material;
-use crate::progress::Progress;
 use crate::scene::Scene;
 use crate::spectral::{Palette, Tabulated, Y_INTEGRAL};
 use crate::whitted::Whitted;
@@ -146,6 +145,17 @@ impl<'s> Emission<'s> {
         (0..self.scene.lights().len()).filter(|light| !aims(light)).collect()
     }
 
+    /// What a photon's flux is worth by luminance, for each product: the product of its factors' means.
+    #[allow(clippy::cast_possible_truncation, reason = "as precise as fluxes")]
+    pub(crate) fn brightness(&self, spectra: &Spectra) -> Vec<f32> {
+        let mean = |leaf: &u32| self.means.get(*leaf as usize).copied().unwrap_or(1.0);
+        let product = |number: usize| {
+            let number = u32::try_from(number).unwrap_or(u32::MAX);
+            spectra.leaves(number).iter().map(mean).product::<f64>() as f32
+        };
+        (0..spectra.len()).map(product).collect()
+    }
+
     /// About how many bytes it takes to emit so many photons, while their parts are put together; more than there are for absurd counts.
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "an estimate")]
     pub(crate) fn bytes_for(&self, count: u64) -> u64 {
@@ -161,13 +171,13 @@ impl<'s> Emission<'s> {
 
     /// Emits photons of which about `count` meet mirrors or glass: each beam has as many as is its part of the flux. All the scene's
     /// light is in each pass; passes are independent. The result doesn't depend on the number of threads.
-    pub(crate) fn emit(&self, count: u64, pass: u32, progress: &Progress) -> Emitted {
+    pub(crate) fn emit(&self, count: u64, pass: u32, progress: &(dyn Fn(u64) + Sync)) -> Emitted {
         let tasks = self.tasks(count);
         let walks: Vec<Walk<'_, Photon>> = tasks
             .par_iter()
             .filter_map(|task| {
                 let walk = self.run(self.beams.get(task.beam as usize)?, *task, pass);
-                progress.add(u64::from(task.count));
+                progress(u64::from(task.count));
                 Some(walk)
             })
             .collect();

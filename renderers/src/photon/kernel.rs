@@ -6,7 +6,7 @@ use core::f64::consts::{FRAC_1_PI, TAU};
 /// over the unit disk and nothing outside.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
-pub(crate) enum Kernel {
+pub enum Kernel {
     /// 1/π: all alike.
     Constant,
     /// 3/π · (1 − t): Jensen's cone filter (Jensen 1996) with k = 1.

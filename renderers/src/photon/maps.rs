@@ -7,9 +7,9 @@ use std::sync::{Arc, Mutex, OnceLock};
 use super::curves::{self, Curves};
 use super::waves::{Bundle, Waves};
 use super::{
-    Account, Density, Emission, Emitted, Extents, Photon, PhotonMap, Place, Prefix, Scattered, Spectra, surface,
+    Account, Density, Emission, Emitted, Estimate, Extents, Photon, PhotonMap, Place, Prefix, Scattered, Spectra, surface,
 };
-use crate::geometry::Hit;
+use crate::geometry::{Hit, Ray};
 use crate::scene::Scene;
 use crate::spectral::Band;
 use crate::whitted::{Arrived, Arriving, Caustics, Whitted};
@@ -82,6 +82,12 @@ pub(crate) const WHOLE: Band =
 
 /// Paths by which it is found at how many wavelengths they are thrown.
 const TRIED: usize = 4096;
+
+/// Of how many photons' places errors are taken.
+const PLACES: usize = 1024;
+
+/// The last part of a photon's way that is traced again to find what it met, relative to the scene's diagonal.
+const SHORT: f32 = 1e-4;
 
 /// How far, relative to the radius of an estimate, photons may be from where they are thought to be.
 const NEAR: f32 = 0.1;
@@ -187,6 +193,44 @@ impl<'s> Maps<'s> {
         Arc::clone(spectra)
     }
 
+    /// The relative error of estimates, the bias that shows included: the root of its mean square at some places where photons landed.
+    pub(crate) fn error(&self) -> f64 {
+        let mut estimate = Estimate::default();
+        let (mut squares, mut places) = (0.0, 0.0);
+        let whole = (!self.prefixes.is_empty()).then(|| self.bands.get(WHOLE));
+        let thrown = whole.iter().map(|slot| slot.thrown(|band| self.throw(band)));
+        for Thrown { map, brightness, .. } in core::iter::once(&self.even).chain(thrown) {
+            let stride = map.len().div_ceil(PLACES).max(1);
+            for photon in map.photons().iter().step_by(stride) {
+                let Some(hit) = self.hit(photon) else { continue };
+                let worth =
+                    |photon: &Photon| photon.flux * brightness.get(photon.spectrum as usize).copied().unwrap_or(1.0);
+                self.density.estimate(map, &self.place(&hit), worth, &mut estimate);
+                if estimate.value > 0.0 {
+                    let error = estimate.standard_error.hypot(estimate.bias) / estimate.value;
+                    squares += error * error;
+                    places += 1.0;
+                }
+            }
+        }
+        if places > 0.0 { (squares / places).sqrt() } else { 0.0 }
+    }
+
+    /// The hit of the ray that brought a photon.
+    fn hit(&self, photon: &Photon) -> Option<Hit> {
+        let world = self.scene.world();
+        let [low, high] = world.bounds();
+        let direction = glam::Vec3A::from_array(photon.direction);
+        let origin = glam::Vec3A::from_array(photon.position) + direction * (SHORT * (high - low).length());
+        let hit = world.closest_hit(&Ray::new(origin, -direction))?;
+        (surface(hit.shape, hit.front) == photon.surface).then_some(hit)
+    }
+
+    /// The beams, without the photons.
+    pub(crate) fn into_emission(self) -> Emission<'s> {
+        self.emission
+    }
+
     /// The maps of bands that were made, wider ones first.
     pub(crate) fn bands(&self) -> Vec<BandReport> {
         self.bands.used()
@@ -232,11 +276,11 @@ impl Caustics for Maps<'_> {
         self.find(slot.thrown(|band| self.throw(band)), hit, found)
     }
 
-    fn is_dispersed(&self, hit: &Hit) -> bool {
+    fn is_dispersed(&self, hit: &Hit, scratch: &mut Estimate) -> bool {
         !self.prefixes.is_empty() && {
             let slot = self.bands.get(WHOLE);
             let Thrown { map, .. } = slot.thrown(|band| self.throw(band));
-            self.density.finds(map, &self.place(hit))
+            self.density.finds(map, &self.place(hit), scratch)
         }
     }
 }

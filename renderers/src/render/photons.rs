@@ -1,10 +1,7 @@
 //! Light by way of mirrors and glass, as photons: what is asked for, and what became of it.
 
-use std::time::Instant;
-
 use super::Watch;
-use crate::photon::{Account, Density, Emission, Kernel, Limits, Maps, Rethrow, Settings};
-use crate::photon::{BandReport, Bundle};
+use crate::photon::{BandReport, Bundle, Choice, Density, Emission, Kernel, Maps, Rethrow, Settings};
 use crate::scene::Scene;
 use crate::spectral::Palette;
 use crate::whitted::{RenderError, Whitted};
@@ -137,12 +134,51 @@ pub(super) fn throw<'s>(
 ) -> Result<Maps<'s>, RenderError> {
     let density = density(options, scene)?;
     #[allow(clippy::cast_possible_truncation, reason = "a hashed seed")]
-    let settings = Settings { seed: (seed ^ (seed >> 32)) as u32, limits: Limits::default() };
+    let settings = Settings { seed: (seed ^ (seed >> 32)) as u32, ..Settings::default() };
     let emission = Emission::new(data, scene, palette, settings);
-    let count = match options.count {
-        PhotonCount::Count(count) => count,
-        PhotonCount::Error(error) => count_for(error, &emission),
-    };
+    let scene = (data, scene);
+    let ways = (options.bundle, options.rethrow);
+    match options.count {
+        PhotonCount::Count(count) => {
+            check_memory(count, &emission)?;
+            watch.stage("photons", emission.attempts(count));
+            let emitted = emission.emit(count, 0, &|steps| watch.add(steps));
+            Ok(Maps::new(scene, emission, emitted, density, ways))
+        }
+        PhotonCount::Error(error) => {
+            let mut count = TRIAL;
+            watch.stage("trial photons", emission.attempts(count));
+            let mut emitted = emission.emit(count, 0, &|steps| watch.add(steps));
+            let mut emission = emission;
+            loop {
+                let maps = Maps::new(scene, emission, emitted, density, ways);
+                let found = maps.error();
+                if !(found > error) {
+                    return Ok(maps);
+                }
+                let next = more(count, found / error);
+                emission = maps.into_emission();
+                check_memory(next, &emission)?;
+                count = next;
+                watch.stage("photons", emission.attempts(count));
+                emitted = emission.emit(count, 0, &|steps| watch.add(steps));
+            }
+        }
+    }
+}
+
+/// Photons of a trial.
+const TRIAL: u64 = 1 << 15;
+
+/// How many photons it takes to make an error so many times less: errors go down by the cube root of the number, as of estimates whose
+/// radius balances variance and bias. At most 64 times as many at once, and at least a quarter more.
+#[allow(clippy::cast_precision_loss, clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "an estimate")]
+fn more(count: u64, times: f64) -> u64 {
+    (count as f64 * (1.1 * times).powi(3).clamp(1.25, 64.0)) as u64
+}
+
+/// Refuses what would take too much memory.
+fn check_memory(count: u64, emission: &Emission<'_>) -> Result<(), RenderError> {
     let bytes = emission.bytes_for(count);
     if bytes > MOST_BYTES {
         let gigabytes = |bytes: u64| bytes.div_ceil(1 << 30);
@@ -153,9 +189,7 @@ pub(super) fn throw<'s>(
         );
         return Err(RenderError::new(text));
     }
-    watch.stage("photons", emission.attempts(count));
-    let emitted = emission.emit(count, 0, &|steps| watch.add(steps));
-    Ok(Maps::new((data, scene), emission, emitted, density, (options.bundle, options.rethrow)))
+    Ok(())
 }
 
 fn density(options: &PhotonOptions, scene: &Whitted) -> Result<Density, RenderError> {

@@ -21,7 +21,7 @@ pub(crate) trait Caustics: Sync {
     fn arriving(&self, hit: &Hit, band: Option<Band>, found: &mut Arrived) -> Arc<Spectra>;
 
     /// Whether light reaches a place by ways that depend on the wavelength.
-    fn is_dispersed(&self, hit: &Hit) -> bool;
+    fn is_dispersed(&self, hit: &Hit, scratch: &mut Estimate) -> bool;
 }
 
 /// What was found at a place, with memory to find it.
@@ -106,7 +106,7 @@ impl<'s> Worker<'s> {
     pub(super) fn caustic(&mut self, hit: &Hit, direction: DVec3, path: Path, radiance: &mut Radiance) {
         let Some(caustics) = self.caustics else { return };
         self.arriving(hit, direction, path, None, radiance);
-        if !caustics.is_dispersed(hit) {
+        if !caustics.is_dispersed(hit, &mut self.arriving.scratch) {
             return;
         }
         if path.band.is_some() {
