@@ -124,6 +124,15 @@ impl Estimate {
         self.near.iter().map(|near| near.photon).zip(self.weights.iter().copied())
     }
 
+    /// Notes how bright the photons found are: those from below the horizon of a curved surface are dark.
+    fn look(&mut self, map: &PhotonMap, place: &Place<'_>, brightness: impl Fn(&Photon) -> f32) {
+        for near in &self.near {
+            let photon = &map.photons()[near.photon as usize];
+            let is_seen = place.face.is_some() || dot(photon.direction, place.normal) > 0.0;
+            self.brightness.push(if is_seen { brightness(photon) } else { 0.0 });
+        }
+    }
+
     /// What each photon's contribution is multiplied by for its part of the error: the squares of these parts add up to that of the standard
     /// error and the bias together.
     pub(crate) fn error_of_a_photon(&self) -> f64 {
@@ -191,11 +200,7 @@ impl Density {
             radius2 = square(smallest);
             map.nearest(place.surface, &Region { radius: smallest, ..region }, usize::MAX, &mut estimate.near);
         }
-        for near in &estimate.near {
-            let photon = &map.photons()[near.photon as usize];
-            let is_seen = place.face.is_some() || dot(photon.direction, place.normal) > 0.0;
-            estimate.brightness.push(if is_seen { brightness(photon) } else { 0.0 });
-        }
+        estimate.look(map, place, brightness);
         let levels = Levels::new(estimate, place, radius2, square(smallest));
         let level = match self.choice {
             Choice::Count => 0,
@@ -205,12 +210,27 @@ impl Density {
         self.weigh(estimate, levels.mass_of(place, self.kernel, level), levels.radius2(level));
     }
 
-    /// Whether there are photons about a place.
-    pub(crate) fn finds(&self, map: &PhotonMap, place: &Place<'_>, estimate: &mut Estimate) -> bool {
-        let coordinate = place.position.iter().fold(0.0, |most: f32, x| most.max(x.abs()));
+    /// The same with a radius that was chosen before, in scene units: all photons within it count, and nothing is said of bias.
+    ///
+    /// Estimates from photons that differ a little differ a little, then, where a radius of their own might jump.
+    pub(crate) fn estimate_within(
+        &self,
+        map: &PhotonMap,
+        place: &Place<'_>,
+        radius: f32,
+        brightness: impl Fn(&Photon) -> f32,
+        estimate: &mut Estimate,
+    ) {
         estimate.clear();
-        map.nearest(place.surface, &region(place, self.radius, coordinate), 1, &mut estimate.near);
-        !estimate.near.is_empty()
+        let coordinate = place.position.iter().fold(0.0, |most: f32, x| most.max(x.abs()));
+        map.nearest(place.surface, &region(place, radius, coordinate), usize::MAX, &mut estimate.near);
+        estimate.look(map, place, brightness);
+        let radius = f64::from(radius);
+        let mass = place.face.map_or(1.0, |face| {
+            let point = face.place(place.position);
+            if radius > face.clearance(point) { face.mass(self.kernel, point, radius) } else { 1.0 }
+        });
+        self.weigh(estimate, mass, radius);
     }
 
     /// The distance within which half of the photons have as many others as an estimate takes at most, in scene units: by some of them.

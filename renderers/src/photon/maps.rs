@@ -12,7 +12,7 @@ use super::{
 use crate::geometry::{Hit, Ray};
 use crate::scene::Scene;
 use crate::spectral::Band;
-use crate::whitted::{Arrived, Arriving, Caustics, Whitted};
+use crate::whitted::{Arrived, Arriving, Caustics, Reach, Whitted};
 use spectral_core::interval::{FIRST_WAVELENGTH, LAST_WAVELENGTH};
 
 /// How photons that depend on the wavelength are thrown for a band.
@@ -65,6 +65,11 @@ impl Thrown {
     fn new(photons: Vec<Photon>, spectra: Arc<Spectra>, emission: &Emission<'_>) -> Self {
         let brightness = emission.brightness(&spectra);
         Self { map: PhotonMap::new(photons), spectra, brightness }
+    }
+
+    /// The luminous flux of a photon.
+    fn worth(&self, photon: &Photon) -> f32 {
+        photon.flux * self.brightness.get(photon.spectrum as usize).copied().unwrap_or(1.0)
     }
 }
 
@@ -174,11 +179,17 @@ impl<'s> Maps<'s> {
         }
     }
 
-    /// Finds the light that reaches a hit.
-    fn find(&self, thrown: &Thrown, hit: &Hit, found: &mut Arrived) -> Arc<Spectra> {
-        let Thrown { map, spectra, brightness } = thrown;
-        let worth = |photon: &Photon| photon.flux * brightness.get(photon.spectrum as usize).copied().unwrap_or(1.0);
-        self.density.estimate(map, &self.place(hit), worth, &mut found.scratch);
+    /// Finds the light that reaches a hit, within a reach if there is one.
+    fn find(&self, thrown: &Thrown, hit: &Hit, reach: Option<Reach>, found: &mut Arrived) -> Arc<Spectra> {
+        let Thrown { map, spectra, .. } = thrown;
+        let (place, scratch, worth) = (self.place(hit), &mut found.scratch, |photon: &Photon| thrown.worth(photon));
+        match reach {
+            None => self.density.estimate(map, &place, worth, scratch),
+            Some(Reach { radius, bias }) => {
+                self.density.estimate_within(map, &place, radius, worth, scratch);
+                scratch.bias = bias * scratch.value;
+            }
+        }
         let (photons, error) = (map.photons(), found.scratch.error_of_a_photon());
         for (number, weight) in found.scratch.photons() {
             let Some(photon) = photons.get(number as usize) else { continue };
@@ -199,13 +210,12 @@ impl<'s> Maps<'s> {
         let (mut squares, mut places) = (0.0, 0.0);
         let whole = (!self.prefixes.is_empty()).then(|| self.bands.get(WHOLE));
         let thrown = whole.iter().map(|slot| slot.thrown(|band| self.throw(band)));
-        for Thrown { map, brightness, .. } in core::iter::once(&self.even).chain(thrown) {
+        for thrown in core::iter::once(&self.even).chain(thrown) {
+            let map = &thrown.map;
             let stride = map.len().div_ceil(PLACES).max(1);
             for photon in map.photons().iter().step_by(stride) {
                 let Some(hit) = self.hit(photon) else { continue };
-                let worth =
-                    |photon: &Photon| photon.flux * brightness.get(photon.spectrum as usize).copied().unwrap_or(1.0);
-                self.density.estimate(map, &self.place(&hit), worth, &mut estimate);
+                self.density.estimate(map, &self.place(&hit), |photon| thrown.worth(photon), &mut estimate);
                 if estimate.value > 0.0 {
                     let error = estimate.standard_error.hypot(estimate.bias) / estimate.value;
                     squares += error * error;
@@ -270,18 +280,22 @@ fn sorted(mut photons: Vec<Scattered>) -> Vec<Scattered> {
 }
 
 impl Caustics for Maps<'_> {
-    fn arriving(&self, hit: &Hit, band: Option<Band>, found: &mut Arrived) -> Arc<Spectra> {
-        let Some(band) = band else { return self.find(&self.even, hit, found) };
+    fn arriving(&self, hit: &Hit, band: Option<(Band, Reach)>, found: &mut Arrived) -> Arc<Spectra> {
+        let Some((band, reach)) = band else { return self.find(&self.even, hit, None, found) };
         let slot = self.bands.get(band);
-        self.find(slot.thrown(|band| self.throw(band)), hit, found)
+        self.find(slot.thrown(|band| self.throw(band)), hit, Some(reach), found)
     }
 
-    fn is_dispersed(&self, hit: &Hit, scratch: &mut Estimate) -> bool {
-        !self.prefixes.is_empty() && {
-            let slot = self.bands.get(WHOLE);
-            let Thrown { map, .. } = slot.thrown(|band| self.throw(band));
-            self.density.finds(map, &self.place(hit), scratch)
+    /// The radius is that for all waves, so that estimates for bands of them differ by nothing else.
+    fn reach(&self, hit: &Hit, scratch: &mut Estimate) -> Option<Reach> {
+        if self.prefixes.is_empty() {
+            return None;
         }
+        let slot = self.bands.get(WHOLE);
+        let thrown = slot.thrown(|band| self.throw(band));
+        self.density.estimate(&thrown.map, &self.place(hit), |photon| thrown.worth(photon), scratch);
+        let bias = if scratch.value > 0.0 { scratch.bias / scratch.value } else { 0.0 };
+        (scratch.radius > 0.0).then_some(Reach { radius: scratch.radius, bias })
     }
 }
 

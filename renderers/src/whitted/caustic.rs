@@ -16,12 +16,21 @@ use crate::spectral::{Band, Deferred, Factor, Monomial, Radiance};
 /// Light that reaches surfaces by way of mirrors and glass: paths L S⁺ D.
 pub(crate) trait Caustics: Sync {
     /// Finds the light that reaches a place on a surface: on the side that was hit, by ways that are the same for all waves if there is no
-    /// band, or by those that are not, for the waves of a band. What is found is added to `found`; returned are the products of spectra that
-    /// it refers to.
-    fn arriving(&self, hit: &Hit, band: Option<Band>, found: &mut Arrived) -> Arc<Spectra>;
+    /// band, or by those that are not, for the waves of a band, within the reach for that place. What is found is added to `found`; returned
+    /// are the products of spectra that it refers to.
+    fn arriving(&self, hit: &Hit, band: Option<(Band, Reach)>, found: &mut Arrived) -> Arc<Spectra>;
 
-    /// Whether light reaches a place by ways that depend on the wavelength.
-    fn is_dispersed(&self, hit: &Hit, scratch: &mut Estimate) -> bool;
+    /// From how far light counts for a place that reaches it by ways that depend on the wavelength; `None` if none does.
+    fn reach(&self, hit: &Hit, scratch: &mut Estimate) -> Option<Reach>;
+}
+
+/// From how far light counts for a place.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Reach {
+    /// In scene units.
+    pub(crate) radius: f32,
+    /// The bias that comes of it, relative to the light.
+    pub(crate) bias: f64,
 }
 
 /// What was found at a place, with memory to find it.
@@ -47,10 +56,11 @@ pub(crate) struct Arriving {
 /// Light at a surface whose way there depends on the wavelength.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Dispersed {
-    pub(super) hit: Hit,
+    hit: Hit,
     /// The direction in which the surface is looked at.
-    pub(super) direction: DVec3,
-    pub(super) path: Path,
+    direction: DVec3,
+    path: Path,
+    reach: Reach,
 }
 
 /// What a surface makes of light from a direction: a sum of two spectra, each times a BRDF in 1/sr.
@@ -106,15 +116,13 @@ impl<'s> Worker<'s> {
     pub(super) fn caustic(&mut self, hit: &Hit, direction: DVec3, path: Path, radiance: &mut Radiance) {
         let Some(caustics) = self.caustics else { return };
         self.arriving(hit, direction, path, None, radiance);
-        if !caustics.is_dispersed(hit, &mut self.arriving.scratch) {
-            return;
-        }
-        if path.band.is_some() {
-            self.arriving(hit, direction, path, path.band, radiance);
+        let Some(reach) = caustics.reach(hit, &mut self.arriving.scratch) else { return };
+        if let Some(band) = path.band {
+            self.arriving(hit, direction, path, Some((band, reach)), radiance);
             return;
         }
         let number = u32::try_from(self.deferred.len()).unwrap_or(u32::MAX);
-        self.deferred.push(super::Later::Dispersed(Dispersed { hit: *hit, direction, path }));
+        self.deferred.push(super::Later::Dispersed(Dispersed { hit: *hit, direction, path, reach }));
         radiance.defer(Deferred(number), path.monomial, 1.0);
     }
 
@@ -122,18 +130,25 @@ impl<'s> Worker<'s> {
     pub(super) fn dispersed(&mut self, place: &Dispersed, band: Band) -> Radiance {
         let mut light = Radiance::default();
         let path = Path { monomial: Monomial::default(), ..place.path };
-        self.arriving(&place.hit, place.direction, path, Some(band), &mut light);
+        self.arriving(&place.hit, place.direction, path, Some((band, place.reach)), &mut light);
         light
     }
 
     /// Adds what a surface reflects of the light that reaches it for some waves.
-    fn arriving(&mut self, hit: &Hit, direction: DVec3, path: Path, band: Option<Band>, radiance: &mut Radiance) {
+    fn arriving(
+        &mut self,
+        hit: &Hit,
+        direction: DVec3,
+        path: Path,
+        band: Option<(Band, Reach)>,
+        radiance: &mut Radiance,
+    ) {
         let Some(caustics) = self.caustics else { return };
         let mut found = core::mem::take(&mut self.arriving);
         found.list.clear();
         let spectra = caustics.arriving(hit, band, &mut found);
         if let (false, Some(response)) = (found.list.is_empty(), self.response(hit, direction)) {
-            let noise = self.noise_share(band);
+            let noise = self.noise_share(band.map(|(band, _)| band));
             self.reflected((&found.list, &spectra), &response, (path, noise), radiance);
         }
         self.arriving = found;

@@ -21,7 +21,7 @@ mod glossy;
 mod refraction;
 
 pub(crate) use build::camera;
-pub(crate) use caustic::{Arrived, Arriving, Caustics};
+pub(crate) use caustic::{Arrived, Arriving, Caustics, Reach};
 
 use glam::DVec3;
 use spectral_core::brdf::Schlick;
