@@ -16,6 +16,8 @@ mod map;
 mod maps;
 mod points;
 mod products;
+#[cfg(test)]
+mod random;
 mod spectra;
 mod target;
 #[cfg(test)]
