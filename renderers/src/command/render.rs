@@ -137,6 +137,7 @@ impl Arguments {
         let options = self.options()?;
         let scene = self.load()?;
         make_folder(&self.out)?;
+        let warnings = super::warn(&scene);
         let bars = Bars::default();
         let rendering = match &self.resume {
             Some(file) if self.renderer == Renderer::Path => {
@@ -149,7 +150,7 @@ impl Arguments {
         }
         .map_err(|e| Failure(format!("{}: {e}", self.scene)))?;
         drop(bars);
-        let report = Report::new(&scene, &options, &rendering, self.threshold());
+        let report = Report { warnings, ..Report::new(&scene, &options, &rendering, self.threshold()) };
         let files = self.write(&report, &rendering)?;
         Ok(report.answer(&files))
     }
@@ -304,6 +305,7 @@ struct Report {
     errors: Option<Histogram>,
     threshold: f64,
     between: Option<BetweenReport>,
+    warnings: Vec<String>,
 }
 
 impl Report {
@@ -339,6 +341,7 @@ impl Report {
             errors,
             threshold,
             between: rendering.between,
+            warnings: Vec::new(),
         }
     }
 
@@ -438,6 +441,7 @@ impl Report {
             "delta_e_bound_histogram": self.errors.as_ref().map(Histogram::counts),
             "pixels_outside_bound_histogram": self.errors.as_ref().map(Histogram::outside),
             "radiosity": between,
+            "warnings": self.warnings,
             "files": files,
         })
     }
