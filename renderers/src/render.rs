@@ -9,8 +9,7 @@ use std::time::Instant;
 
 use spectral_core::adaptive::Mode;
 use spectral_core::bilinear::Tensor;
-use spectral_core::bound::delta_e_bound;
-use spectral_core::colour::rgb;
+use spectral_core::colour::{delta_e_ab, rgb, xyz_to_lab};
 
 use rayon::prelude::*;
 
@@ -21,7 +20,7 @@ use crate::path;
 use crate::scene::{self, Scene};
 use crate::spectral::{
     Band, Colour, ComponentResolver, Components, FactorOrder, IntervalMemory, IntervalSettings, Intervals, Palette,
-    Radiance, Resolver, Role, SharedIntervals, Tracer, Uniform, UniformBins, Y_INTEGRAL,
+    Radiance, Resolver, Role, SharedIntervals, Tracer, Uniform, UniformBins,
 };
 use crate::whitted::{Caustics, Indirect, RenderError, Whitted, Worker};
 
@@ -485,7 +484,7 @@ impl Frame<'_> {
     }
 }
 
-/// The ΔE*ab of a standard error of the light that photons found.
+/// The ΔE*ab that the colour changes by with a standard error more of the light that photons found, of each product by itself.
 fn noise<R: Resolver>(xyz: [f64; 3], worker: &mut Worker<'_>, resolver: &mut R) -> f64 {
     let noise = worker.take_noise();
     if noise.terms().is_empty() {
@@ -498,8 +497,8 @@ fn noise<R: Resolver>(xyz: [f64; 3], worker: &mut Worker<'_>, resolver: &mut R) 
         let part = resolver.resolve(&one, worker).xyz;
         squares = core::array::from_fn(|a| squares[a] + part[a] * part[a]);
     }
-    let scaled = |v: [f64; 3]| v.map(|v| v * Y_INTEGRAL);
-    delta_e_bound(scaled(xyz), scaled(squares.map(f64::sqrt)), scaled(rgb::WHITE)).delta_e
+    let more = core::array::from_fn(|a| xyz[a] + squares[a].sqrt());
+    delta_e_ab(xyz_to_lab(xyz, rgb::WHITE), xyz_to_lab(more, rgb::WHITE))
 }
 
 impl Pixels {

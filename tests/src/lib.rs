@@ -6,6 +6,7 @@ pub mod certify;
 pub mod dense;
 pub mod generators;
 pub mod irradiance;
+pub mod meshes;
 pub mod program;
 pub mod quadrature;
 pub mod statistics;

@@ -142,6 +142,7 @@ impl Arguments {
         let options = self.options()?;
         let scene = self.load()?;
         make_folder(&self.out)?;
+        let warnings = super::warn(&scene);
         let bars = Bars::default();
         let rendering = match &self.resume {
             Some(file) if self.renderer == Renderer::Path => {
@@ -154,7 +155,7 @@ impl Arguments {
         }
         .map_err(|e| Failure(format!("{}: {e}", self.scene)))?;
         drop(bars);
-        let report = Report::new(&scene, &options, &rendering, self.threshold());
+        let report = Report { warnings, ..Report::new(&scene, &options, &rendering, self.threshold()) };
         let files = self.write(&report, &rendering)?;
         Ok(report.answer(&files))
     }
@@ -319,6 +320,7 @@ struct Report {
     threshold: f64,
     between: Option<BetweenReport>,
     photons: Option<photons::Summary>,
+    warnings: Vec<String>,
 }
 
 impl Report {
@@ -355,6 +357,7 @@ impl Report {
             threshold,
             between: rendering.between,
             photons: photons::Summary::new(rendering),
+            warnings: Vec::new(),
         }
     }
 
@@ -461,6 +464,7 @@ impl Report {
             "pixels_outside_bound_histogram": self.errors.as_ref().map(Histogram::outside),
             "radiosity": between,
             "photon_map": self.photons.as_ref().map(photons::Summary::json),
+            "warnings": self.warnings,
             "files": files,
         })
     }
