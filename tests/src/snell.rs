@@ -374,3 +374,227 @@ impl Focus {
 fn remainder(angle: f64) -> f64 {
     angle - 2.0 * PI * (angle / (2.0 * PI)).round()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const BALLS: [(f64, f64); 4] = [(1.5, 1.0), (1.5, 1.7), (1.33, 3.0), (1.8, 1.2)];
+
+    #[allow(clippy::many_single_char_names, reason = "vectors of a formula")]
+    fn refract([a, b]: [f64; 2], [x, y]: [f64; 2], index: f64) -> Option<[f64; 2]> {
+        // Snell's law by tangential components: those of direction are kept up to the index.
+        let sign = if a * x + b * y < 0.0 { 1.0 } else { -1.0 };
+        let (normal, tangent) = ([x * sign, y * sign], [-y * sign, x * sign]);
+        let along = (a * tangent[0] + b * tangent[1]) / index;
+        let down = (1.0 - along * along).max(0.0).sqrt();
+        (along.abs() <= 1.0).then(|| [0, 1].map(|k| tangent[k] * along - normal[k] * down))
+    }
+
+    /// The second meeting with the unit circle from a point on it.
+    fn chord(p: [f64; 2], d: [f64; 2]) -> [f64; 2] {
+        let t = -2.0 * (p[0] * d[0] + p[1] * d[1]);
+        [p[0] + t * d[0], p[1] + t * d[1]]
+    }
+
+    fn mirror(d: [f64; 2], n: [f64; 2]) -> [f64; 2] {
+        let c = d[0] * n[0] + d[1] * n[1];
+        [d[0] - 2.0 * c * n[0], d[1] - 2.0 * c * n[1]]
+    }
+
+    fn at(p: [f64; 2], d: [f64; 2], plane: f64) -> Option<f64> {
+        (d[0] > 0.0 && p[0] <= plane).then(|| p[1] + d[1] / d[0] * (plane - p[0]))
+    }
+
+    #[track_caller]
+    fn assert_near(found: Option<f64>, expected: Option<f64>, tolerance: f64, what: &str) {
+        match (found, expected) {
+            (None, None) => {}
+            (Some(a), Some(b)) => assert!((a - b).abs() <= tolerance * (1.0 + b.abs()), "{what}: {a}, not {b}"),
+            _ => assert!(false, "{what}: {found:?}, not {expected:?}"),
+        }
+    }
+
+    /// `independent`: rays traced by vectors.
+    #[test]
+    fn spots_are_those_of_rays_traced_by_vectors() {
+        for (index, distance) in BALLS {
+            for step in 1..200 {
+                let angle = (f64::from(step) - 0.37) / 200.0 * FRAC_PI_2;
+                let entry = [-angle.cos(), angle.sin()];
+                let height =
+                    |lens, way| Focus { lens, radius: 1.0, index, distance }.spot(way, angle).map(|s| s.height);
+                let name = |lens: Lens, way: Way| format!("{lens:?} {way:?} {index} {angle}");
+                let outside = at(entry, mirror([1.0, 0.0], entry), distance);
+                assert_near(height(Lens::Ball, Way::Reflected), outside, 1e-9, &name(Lens::Ball, Way::Reflected));
+                let first = refract([1.0, 0.0], entry, index).unwrap();
+                let (mut place, mut inside) = (chord(entry, first), first);
+                for inner in 0..4 {
+                    let out = refract(inside, place, 1.0 / index).unwrap();
+                    let way = Way::Through(inner);
+                    assert_near(height(Lens::Ball, way), at(place, out, distance), 1e-8, &name(Lens::Ball, way));
+                    inside = mirror(inside, place);
+                    place = chord(place, inside);
+                }
+                let middle = at(entry, first, 0.0).unwrap();
+                let out = refract(first, [1.0, 0.0], 1.0 / index);
+                let expected = out.and_then(|out| at([0.0, middle], out, distance));
+                assert_near(height(Lens::RoundFirst, Way::Through(0)), expected, 1e-9, "round face first");
+                let leaving = [angle.cos(), angle.sin()];
+                let expected = refract([1.0, 0.0], leaving, 1.0 / index).and_then(|d| at(leaving, d, distance));
+                assert_near(height(Lens::FlatFirst, Way::Through(0)), expected, 1e-9, "flat face first");
+            }
+        }
+    }
+
+    #[test]
+    fn slopes_are_differences() {
+        for (index, distance) in BALLS {
+            for (lens, ways) in [
+                (Lens::Ball, &[Way::Reflected, Way::Through(0), Way::Through(1), Way::Through(2)][..]),
+                (Lens::RoundFirst, &[Way::Through(0)]),
+                (Lens::FlatFirst, &[Way::Through(0)]),
+            ] {
+                let focus = Focus { lens, radius: 1.0, index, distance };
+                let mut compared = 0;
+                for (way, step) in ways.iter().flat_map(|way| (1..90).map(move |step| (*way, f64::from(step) / 60.0))) {
+                    let height = |angle| focus.spot(way, angle).map(|s| s.height);
+                    let slope = |h: f64| Some((height(step + h)? - height(step - h)?) / (2.0 * h));
+                    let (Some(spot), Some(fine), Some(coarse)) = (focus.spot(way, step), slope(1e-5), slope(2e-5))
+                    else {
+                        continue;
+                    };
+                    // Truncation is a third of what the step makes; rounding is that of heights over the step.
+                    let tolerance = (fine - coarse).abs() + 1e-9 * (1.0 + spot.height.abs());
+                    assert!((spot.slope - fine).abs() <= tolerance, "{focus:?} {way:?} {step}: {spot:?}, not {fine}");
+                    compared += 1;
+                }
+                assert!(compared >= 20, "{focus:?}");
+            }
+        }
+    }
+
+    /// Closed forms of Gaussian optics: focal lengths from the principal planes, here from the sphere's centre.
+    #[test]
+    fn rays_near_the_axis_meet_at_the_focus() {
+        for index in [1.33_f64, 1.5, 1.9] {
+            let ball = index / (2.0 * (index - 1.0));
+            // A thick lens with one flat face: f = 1/(n − 1) from the curved face's vertex, or, seen through the flat face, 1/n less.
+            let round = 1.0 / (index - 1.0) - 1.0 / index;
+            let flat = 1.0 / (index - 1.0) + 1.0;
+            for (lens, distance) in [(Lens::Ball, ball), (Lens::RoundFirst, round), (Lens::FlatFirst, flat)] {
+                let angle = 1e-3;
+                let focus = Focus { lens, radius: 1.0, index, distance };
+                let Some(spot) = focus.spot(Way::Through(0), angle) else { continue };
+                assert!(spot.height.abs() <= 10.0 * angle.powi(3), "{focus:?}: {spot:?}");
+            }
+        }
+    }
+
+    /// ∫ 2π r E dr over rings is the flux within them, away from folds.
+    #[test]
+    fn irradiance_is_the_density_of_flux() {
+        let mut folds = 0;
+        for (index, distance) in BALLS {
+            for (lens, way) in [
+                (Lens::Ball, Way::Through(0)),
+                (Lens::Ball, Way::Through(2)),
+                (Lens::Ball, Way::Reflected),
+                (Lens::RoundFirst, Way::Through(0)),
+                (Lens::FlatFirst, Way::Through(0)),
+            ] {
+                let focus = Focus { lens, radius: 1.0, index, distance };
+                folds += focus.folds(way).len();
+                for ring in [[0.1, 0.11], [0.2, 0.22], [0.5, 0.52], [2.0, 2.1]] {
+                    if focus.folds(way).iter().any(|fold| (ring[0] - 0.05..ring[1] + 0.05).contains(fold)) {
+                        continue;
+                    }
+                    let density = |r: f64| 2.0 * PI * r * focus.irradiance(way, r);
+                    let [found, expected] = [
+                        integrate(&density, ring[0], ring[1], 1e-7),
+                        focus.flux(way, ring[1]) - focus.flux(way, ring[0]),
+                    ];
+                    let tolerance = 1e-6 * (expected + 1e-3);
+                    assert!(
+                        (found - expected).abs() <= tolerance,
+                        "{focus:?} {way:?} {ring:?}: {found}, not {expected}"
+                    );
+                }
+            }
+        }
+        assert!(folds >= 3, "{folds}");
+    }
+
+    /// Evenly spaced rays of equal flux are counted.
+    #[test]
+    fn flux_is_the_sum_over_rays() {
+        for (index, distance) in BALLS {
+            let focus = Focus { lens: Lens::Ball, radius: 1.0, index, distance };
+            for way in [Way::Reflected, Way::Through(0), Way::Through(1), Way::Through(2)] {
+                for within in [0.05, 0.4, 1.0, 3.0, 1e3] {
+                    let rays = 100_000_u32;
+                    let ray = |k: u32| ((f64::from(k) + 0.5) / f64::from(rays)).sqrt().asin();
+                    let light = (0..rays).filter_map(|k| focus.spot(way, ray(k)));
+                    let inside = light.filter(|s| s.height.abs() <= within).map(|s| s.share).sum::<f64>();
+                    let (found, expected) = (focus.flux(way, within), PI * inside / f64::from(rays));
+                    // A ray more or less at each of some limits.
+                    assert!(
+                        (found - expected).abs() <= 4.0 * PI / f64::from(rays),
+                        "{focus:?} {way:?} {within}: {found}"
+                    );
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_plates_shares_are_the_sums_of_their_series() {
+        let plate = Plate { thickness: 0.5, index: 1.6, absorption: 0.3 };
+        for incidence in [0.0, 0.5, 1.0, 1.4] {
+            let (r, t) = (reflectance(incidence, 1.6), plate.remaining(incidence));
+            let (mut light, mut passes, mut back) = ((1.0 - r) * t, 0.0, r);
+            for _ in 0..200 {
+                passes += light * (1.0 - r);
+                light *= r * t;
+                back += light * (1.0 - r);
+                light *= r * t;
+            }
+            let [found, returned] = plate.shares(incidence);
+            assert!((found - passes).abs() <= 1e-14 && (returned - back).abs() <= 1e-14, "{incidence}");
+            let clear = Plate { absorption: 0.0, ..plate };
+            let [found, returned] = clear.shares(incidence);
+            assert!((found - (1.0 - r) / (1.0 + r)).abs() <= 1e-15 && (found + returned - 1.0).abs() <= 1e-15);
+        }
+        // The construction in the triangle of the way inside: d sin(θ − θ′) / cos θ′.
+        let inside = (1.0_f64.sin() / 1.6).asin();
+        assert!((plate.shift(1.0) - 0.5 * (1.0 - inside).sin() / inside.cos()).abs() <= 1e-15);
+    }
+
+    /// `independent`: rays traced by vectors.
+    #[test]
+    fn a_prisms_rays_are_those_traced_by_vectors() {
+        for (apex, index) in [(60.0_f64, 1.5), (60.0, 1.78), (30.0, 1.9), (45.0, 1.33)] {
+            let prism = Prism { apex: apex.to_radians(), index };
+            let (sin, cos) = (prism.apex / 2.0).sin_cos();
+            let [least, at_least] = prism.least_deviation().unwrap();
+            assert!((prism.deviation(at_least).unwrap() - least).abs() <= 1e-14);
+            assert!((((prism.apex + least) / 2.0).sin() / sin - index).abs() <= 1e-13);
+            for step in -10..=14 {
+                let incidence = f64::from(step) * 0.1;
+                let direction = incidence - prism.apex / 2.0;
+                let inside = refract([direction.cos(), direction.sin()], [-cos, sin], index).unwrap();
+                let entry = prism.face(-1.0, 2.0);
+                // Where it meets the other face's plane.
+                let way = -(entry[0] * cos + entry[1] * sin) / (inside[0] * cos + inside[1] * sin);
+                let exit = [entry[0] + way * inside[0], entry[1] + way * inside[1]];
+                let expected = refract(inside, [cos, sin], 1.0 / index).and_then(|out| at(exit, out, 10.0));
+                let expected = expected.filter(|_| way > 0.0);
+                let found = prism.height(2.0, incidence, 10.0).filter(|_| way > 0.0);
+                assert_near(found, expected, 1e-10, &format!("{prism:?} {incidence}"));
+                if let (Some(deviation), Some(_)) = (prism.deviation(incidence), expected) {
+                    assert!(deviation >= least - 1e-14);
+                }
+            }
+        }
+    }
+}

@@ -34,10 +34,11 @@ impl Media {
     }
 
     fn leave(&mut self, shape: u32) {
-        if let Some(place) = self.shapes[..self.count].iter().rposition(|s| *s == shape) {
-            self.shapes.copy_within(place + 1..self.count, place);
-            self.count -= 1;
-        }
+        let inside = &self.shapes[..self.count];
+        // Bodies may be made of several shapes: then it is the last one entered that is left.
+        let Some(place) = inside.iter().rposition(|s| *s == shape).or(self.count.checked_sub(1)) else { return };
+        self.shapes.copy_within(place + 1..self.count, place);
+        self.count -= 1;
     }
 }
 
