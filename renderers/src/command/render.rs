@@ -203,7 +203,9 @@ impl Arguments {
             Renderer::Whitted | Renderer::Path => false,
         };
         if (self.accuracy.is_some() || self.exact) && !has_light_between {
-            return Err(Failure("--accuracy and --exact are for renderers that find light between surfaces".to_owned()));
+            return Err(Failure(
+                "--accuracy and --exact are for renderers that find light between surfaces".to_owned(),
+            ));
         }
         let accuracy = self.accuracy.unwrap_or(BetweenOptions::default().accuracy);
         let between = BetweenOptions { accuracy, exact: self.exact };

@@ -7,7 +7,8 @@ use std::sync::{Arc, Mutex, OnceLock};
 use super::curves::{self, Curves};
 use super::waves::{Bundle, Waves};
 use super::{
-    Account, Density, Emission, Emitted, Estimate, Extents, Photon, PhotonMap, Place, Prefix, Scattered, Spectra, surface,
+    Account, Density, Emission, Emitted, Estimate, Extents, Photon, PhotonMap, Place, Prefix, Scattered, Spectra,
+    surface,
 };
 use crate::geometry::{Hit, Ray};
 use crate::scene::Scene;

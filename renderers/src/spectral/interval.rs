@@ -24,8 +24,7 @@ const BRIGHTEST: f64 = 64.0;
 const MAX_KEPT: usize = 1 << 16;
 const MAX_RECORDED: usize = 1 << 13;
 /// A colour of which nothing is known.
-const UNKNOWN: Colour =
-    Colour { radius: [f64::INFINITY; 3], delta_e: f64::INFINITY, intervals: 1, ..Colour::DARK };
+const UNKNOWN: Colour = Colour { radius: [f64::INFINITY; 3], delta_e: f64::INFINITY, intervals: 1, ..Colour::DARK };
 
 /// What the interval representation aims at.
 #[derive(Clone, Copy, Debug, PartialEq)]
