@@ -251,35 +251,69 @@ const fn ward_variant(variant: WardVariant) -> Variant {
 
 /// A metal: its Fresnel reflectance times a factor, tabulated over the angle of incidence.
 fn mirror(scene: &Scene, fresnel: &ConductorFresnel, weight: Factor, palette: &mut Palette) -> Material {
-    let (n, k) = match fresnel {
-        ConductorFresnel::Perfect => return Material::Mirror(vec![weight]),
-        ConductorFresnel::Metal(metal) => {
-            let table = match metal {
-                Metal::Au => &tables::metals::AU,
-                Metal::Ag => &tables::metals::AG,
-                Metal::Cu => &tables::metals::CU,
-                Metal::Al => &tables::metals::AL,
-            };
-            let (n, k) = (table.n::<f64>(), table.k::<f64>());
-            (Tabulated::sampled(|w| n.value(w)), Tabulated::sampled(|w| k.value(w)))
-        }
-        ConductorFresnel::Spectra { eta, k } => {
-            let sample = |id| {
-                let index = Index::of_spectrum(scene, id);
-                Tabulated::sampled(|w| index.at(w))
-            };
-            (sample(*eta), sample(*k))
-        }
-    };
-    let shape = weight.leaf.and_then(|leaf| palette.leaves().get(leaf as usize)).map(|(s, _)| s.clone());
-    let factors = (0..METAL_ANGLES).map(|angle| {
-        let cosine = metal_cosine(angle);
-        let values = n.values.iter().zip(&k.values).map(|(n, k)| fresnel::conductor(cosine, *n, *k)).collect();
-        let metal = Tabulated { wavelengths: n.wavelengths.clone(), values };
-        let reflectance = shape.as_ref().map_or(metal.clone(), |s| s.times(&metal));
-        palette.leaf(reflectance, weight.scale, Role::Reflectance)
-    });
+    let Some(metal) = Metallic::new(scene, fresnel) else { return Material::Mirror(vec![weight]) };
+    let factors = (0..METAL_ANGLES).map(|angle| metal.factor(metal.reflectance(metal_cosine(angle)), weight, palette));
     Material::Mirror(factors.collect())
+}
+
+/// The mean of a mirror's reflectance over even light from all directions, 2∫R cos θ d(cos θ), times a factor.
+pub(crate) fn mean_mirror(scene: &Scene, fresnel: &ConductorFresnel, weight: Factor, palette: &mut Palette) -> Factor {
+    let Some(metal) = Metallic::new(scene, fresnel) else { return weight };
+    let mut mean = vec![0.0; metal.n.values.len()];
+    let mut from = 0.0;
+    for angle in 1..METAL_ANGLES {
+        // The midpoint of each step, by its share of the projected solid angle.
+        let to = metal_cosine(angle);
+        let share = to * to - from * from;
+        let values = metal.reflectance(f64::midpoint(from, to));
+        mean.iter_mut().zip(values).for_each(|(m, v)| *m += share * v);
+        from = to;
+    }
+    metal.factor(mean, weight, palette)
+}
+
+/// The complex index of refraction of a metal.
+struct Metallic {
+    n: Tabulated,
+    k: Tabulated,
+}
+
+impl Metallic {
+    /// `None` for perfect mirrors.
+    fn new(scene: &Scene, fresnel: &ConductorFresnel) -> Option<Self> {
+        Some(match fresnel {
+            ConductorFresnel::Perfect => return None,
+            ConductorFresnel::Metal(metal) => {
+                let table = match metal {
+                    Metal::Au => &tables::metals::AU,
+                    Metal::Ag => &tables::metals::AG,
+                    Metal::Cu => &tables::metals::CU,
+                    Metal::Al => &tables::metals::AL,
+                };
+                let (n, k) = (table.n::<f64>(), table.k::<f64>());
+                Self { n: Tabulated::sampled(|w| n.value(w)), k: Tabulated::sampled(|w| k.value(w)) }
+            }
+            ConductorFresnel::Spectra { eta, k } => {
+                let sample = |id| {
+                    let index = Index::of_spectrum(scene, id);
+                    Tabulated::sampled(|w| index.at(w))
+                };
+                Self { n: sample(*eta), k: sample(*k) }
+            }
+        })
+    }
+
+    /// Its reflectance for a cosine of incidence, at each wavelength of the tables.
+    fn reflectance(&self, cosine: f64) -> Vec<f64> {
+        self.n.values.iter().zip(&self.k.values).map(|(n, k)| fresnel::conductor(cosine, *n, *k)).collect()
+    }
+
+    /// Such reflectances times a factor.
+    fn factor(&self, values: Vec<f64>, weight: Factor, palette: &mut Palette) -> Factor {
+        let metal = Tabulated { wavelengths: self.n.wavelengths.clone(), values };
+        let shape = weight.leaf.and_then(|leaf| palette.leaves().get(leaf as usize)).map(|(s, _)| s.times(&metal));
+        palette.leaf(shape.unwrap_or(metal), weight.scale, Role::Reflectance)
+    }
 }
 
 #[allow(clippy::cast_precision_loss, reason = "angles are few")]

@@ -27,6 +27,7 @@ pub(crate) use cells::{Cells, KnownCells};
 pub use estimate::{Estimate, Way, visible_configuration_factor};
 pub use light::{Light, Part, Surroundings};
 pub(crate) use sampled::{SampledLight, power_heuristic};
+pub(crate) use scene::surface;
 pub use scene::{sources, world};
 pub use sky::visible_sky;
 pub(crate) use source::single;

@@ -39,7 +39,7 @@ pub fn sources(shape: &scene::Shape, first: u32) -> Option<Vec<Source>> {
 }
 
 #[allow(clippy::cast_possible_truncation, reason = "rays are traced in f32")]
-fn surface(geometry: &Geometry) -> Surface {
+pub(crate) fn surface(geometry: &Geometry) -> Surface {
     match geometry {
         Geometry::Rectangle { center, half_u, half_v, normal } => {
             // The front is where the edges' cross product points.

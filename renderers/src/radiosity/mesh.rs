@@ -7,7 +7,9 @@ use spectral_core::brdf::Schlick;
 use super::Others;
 use super::error::RadiosityError;
 use super::polygon::{MOST_PATCH_CORNERS, Polygon};
+use super::specular::{self, Kind};
 use crate::geometry::{Mesh, NO_PRIMITIVE, Parallelogram, Surface, World};
+use crate::material::mean_mirror;
 use crate::scene::{BsdfId, BsdfKind, Emitter, Geometry, Scene, Shape};
 use crate::spectral::{Factor, Palette, Role};
 
@@ -28,6 +30,8 @@ pub(super) struct Side {
     pub(super) reflectance: Factor,
     /// Its radiance, if it shines.
     pub(super) emission: Option<Factor>,
+    /// Whether it is a mirror, which counts as diffuse where light is exchanged between patches.
+    pub(super) mirror: bool,
 }
 
 /// How a patch is split.
@@ -60,8 +64,10 @@ pub(super) struct Patches {
     pub(super) sides: Vec<Side>,
     /// How many of the nodes, the first, are roots.
     pub(super) roots: usize,
-    /// What blocks: every surface, of whatever material.
+    /// What blocks: every surface but clear ones. Primitives of shapes with mirrors come last.
     pub(super) world: World,
+    /// The first primitive of each shape of the scene; [`NO_PRIMITIVE`] for those that don't block.
+    pub(super) starts: Vec<u32>,
     /// The polygon of each primitive of the world, or of the face that it is a triangle of.
     pub(super) blockers: Vec<Polygon>,
     /// The first primitive of the face that each primitive is a part of.
@@ -81,8 +87,12 @@ impl Patches {
     pub(super) fn new(scene: &Scene, others: Others, palette: &mut Palette) -> Result<Self, RadiosityError> {
         let mut surfaces = Vec::new();
         let (mut blockers, mut face, mut sides, mut faces) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
-        for (number, shape) in (0..).zip(&scene.shapes) {
+        let mut starts = vec![NO_PRIMITIVE; scene.shapes.len()];
+        for (number, shape) in blocking(scene, others) {
             let (surface, polygons) = tessellated(&shape.geometry);
+            if let Some(start) = starts.get_mut(number as usize) {
+                *start = u32::try_from(blockers.len()).unwrap_or(NO_PRIMITIVE);
+            }
             let extent = polygons.iter().flatten().flat_map(Polygon::corners);
             let extent = extent.fold(0.0_f64, |extent, c| extent.max(c.abs().max_element()));
             surfaces.push((number, surface));
@@ -111,7 +121,7 @@ impl Patches {
                 nodes.push(Node { polygon, side, primitive, child: LEAF });
             }
         }
-        Ok(Self { roots: nodes.len(), nodes, sides, world, blockers, face, slack })
+        Ok(Self { roots: nodes.len(), nodes, sides, world, starts, blockers, face, slack })
     }
 
     /// Gives a patch halves, if it has none; false if it is too small for that.
@@ -166,18 +176,24 @@ fn sides_of(
         BsdfKind::TwoSided { front, back } => [Some(*front), Some(*back)],
         _ => [Some(shape.bsdf), None],
     };
+    let is_mirror = |id: Option<BsdfId>| id.is_some_and(|id| matches!(scene.bsdf(id).kind, BsdfKind::Conductor { .. }));
+    let mirrors = [front, back].map(is_mirror);
     let mut reflectance = |id: Option<BsdfId>| match id.map(|id| scene.bsdf(id)) {
         None => Ok(Factor { scale: 0.0, leaf: None }),
-        Some(bsdf) => match bsdf.kind {
-            BsdfKind::Diffuse { reflectance } => Ok(palette.factor(scene.spectrum(reflectance), Role::Reflectance)),
+        Some(bsdf) => match &bsdf.kind {
+            BsdfKind::Diffuse { reflectance } => Ok(palette.factor(scene.spectrum(*reflectance), Role::Reflectance)),
             _ if others == Others::Refused => Err(RadiosityError::Material { label: bsdf.label.clone() }),
             BsdfKind::Schlick { reflectance, roughness, isotropy } => {
-                let specular = Schlick::new(roughness, isotropy).map_or(0.0, |model| model.weights()[2]);
-                let all = palette.factor(scene.spectrum(reflectance), Role::Reflectance);
+                let specular = Schlick::new(*roughness, *isotropy).map_or(0.0, |model| model.weights()[2]);
+                let all = palette.factor(scene.spectrum(*reflectance), Role::Reflectance);
                 Ok(Factor { scale: all.scale * (1.0 - specular), ..all })
             }
             BsdfKind::Ward { diffuse_reflectance, .. } => {
-                Ok(palette.factor(scene.spectrum(diffuse_reflectance), Role::Reflectance))
+                Ok(palette.factor(scene.spectrum(*diffuse_reflectance), Role::Reflectance))
+            }
+            BsdfKind::Conductor { fresnel, specular_reflectance } => {
+                let weight = palette.factor(scene.spectrum(*specular_reflectance), Role::Reflectance);
+                Ok(mean_mirror(scene, fresnel, weight, palette))
             }
             _ => Ok(Factor { scale: 0.0, leaf: None }),
         },
@@ -187,12 +203,22 @@ fn sides_of(
         Some(Emitter::Area { radiance, .. }) => Some(palette.factor(scene.spectrum(*radiance), Role::Light)),
         _ => None,
     };
-    let sides = [(Side { reflectance: front, emission }, true), (Side { reflectance: back, emission: None }, false)];
+    let sides = [
+        (Side { reflectance: front, emission, mirror: mirrors[0] }, true),
+        (Side { reflectance: back, emission: None, mirror: mirrors[1] }, false),
+    ];
     Ok(sides.into_iter().filter(|(side, _)| side.reflectance.scale > 0.0 || side.emission.is_some()).collect())
 }
 
+/// The shapes that block light between patches, in the order of their primitives.
+fn blocking(scene: &Scene, others: Others) -> impl Iterator<Item = (u32, &Shape)> {
+    let kinds = specular::in_order(scene).into_iter();
+    let blocks = move |(kind, ..): &(Kind, u32, &Shape)| others == Others::Refused || *kind != Kind::Clear;
+    kinds.filter(blocks).map(|(_, number, shape)| (number, shape))
+}
+
 /// A shape as the ray kernel takes it, and a polygon for each of its primitives.
-fn tessellated(geometry: &Geometry) -> (Surface, Vec<Option<Polygon>>) {
+pub(super) fn tessellated(geometry: &Geometry) -> (Surface, Vec<Option<Polygon>>) {
     match geometry {
         Geometry::Rectangle { center, half_u, half_v, normal } => {
             let (u, v) = if half_u.cross(*half_v).dot(*normal) >= 0.0 { (half_u, half_v) } else { (half_v, half_u) };

@@ -16,6 +16,7 @@
 mod adapt;
 mod balance;
 mod build;
+mod caustics;
 mod cell;
 mod cells;
 mod contour;
@@ -33,6 +34,7 @@ mod picture;
 mod polish;
 mod polygon;
 mod rays;
+mod reflection;
 mod representation;
 mod scalar;
 mod shade;
@@ -40,10 +42,12 @@ mod sight;
 mod solution;
 mod solve;
 mod source;
+mod specular;
 mod system;
 mod transport;
 mod view;
 
+pub use caustics::{Caustics, Deposit};
 pub use error::RadiosityError;
 pub use light::IndirectRadiosity;
 pub use picture::{Field, FieldSettings};
@@ -86,8 +90,9 @@ pub enum Others {
     /// [`RadiosityError::Material`].
     #[default]
     Refused,
-    /// They block light. Schlick's model counts as diffuse but for its specular share, Ward's by its base alone; mirrors and glass are
-    /// black, so that light by way of them is left out.
+    /// Schlick's model counts as diffuse but for its specular share, Ward's by its base alone. Between patches, light passes smooth boundaries
+    /// of transparent media as if nothing were there, and mirrors are diffuse surfaces that reflect as much of an even light: its total is
+    /// nearly right, but not its way. A [`Field`] follows mirrors and glass as they are.
     Simplified,
 }
 

@@ -8,6 +8,7 @@ use glam::DVec3;
 use super::mesh::{LEAF, Patches};
 use super::polygon::Polygon;
 use super::sight::surface_point;
+use super::specular::{End, Specular, Tint};
 use crate::geometry::Hit;
 
 /// The share of a turn between neighbouring rays: the golden section.
@@ -88,8 +89,13 @@ impl Lookup {
         self.parts.push(part);
     }
 
+    /// The number that stands for what a side sends out by itself.
+    fn lamp(&self, side: u32) -> u32 {
+        u32::try_from(self.parts.len()).unwrap_or(LEAF).saturating_add(side)
+    }
+
     /// The part that was hit.
-    fn part(&self, patches: &Patches, hit: &Hit) -> Option<u32> {
+    pub(super) fn part(&self, patches: &Patches, hit: &Hit) -> Option<u32> {
         let face = *patches.face.get(hit.primitive as usize)?;
         let roots = &self.sides.get(face as usize)?[usize::from(hit.front)];
         let position = hit.position.as_dvec3();
@@ -140,30 +146,77 @@ fn nearest(patches: &Patches, roots: &[u32], place: DVec3) -> Option<u32> {
     best
 }
 
-impl Patches {
-    /// The parts that so many rays find, each with its share of them: its configuration factor. The rays are spread over the hemisphere like
-    /// the seeds of a sunflower over its disk, so that each stands for an equal share of the irradiance of an even sky.
-    pub(super) fn found_by_rays(
-        &self,
-        lookup: &Lookup,
-        position: DVec3,
-        normal: DVec3,
-        primitive: u32,
-        count: u32,
-    ) -> Vec<(u32, f64)> {
-        let point = surface_point(position, normal, primitive);
+/// A part of a patch that rays found.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Found {
+    /// Its number; after all parts, the numbers of sides stand for what they send out by themselves.
+    pub(super) part: u32,
+    /// What its light is multiplied by on its way.
+    pub(super) tint: Tint,
+    /// The share of the rays, each times what it leaves of light: the configuration factor where none met mirrors or glass.
+    pub(super) share: f64,
+}
+
+/// Where rays from a place go.
+#[derive(Clone, Copy)]
+pub(super) struct Rays<'r> {
+    pub(super) lookup: &'r Lookup,
+    pub(super) specular: Option<&'r Specular<'r>>,
+    /// Whether lamps count that are found by way of mirrors and glass.
+    pub(super) lamps: bool,
+    pub(super) count: u32,
+}
+
+impl Rays<'_> {
+    /// The directions of rays: spread over the hemisphere like the seeds of a sunflower over its disk, so that each stands for an
+    /// equal share of the irradiance of an even sky.
+    fn directions(&self, normal: DVec3) -> impl Iterator<Item = (u32, DVec3)> + use<> {
         let (u, v) = normal.any_orthonormal_pair();
-        let mut hits: Vec<u32> = Vec::with_capacity(count as usize);
-        for index in 0..count {
+        let count = self.count;
+        (0..count).map(move |index| {
             let squared = (f64::from(index) + 0.5) / f64::from(count);
             let (sine, cosine) = (TAU * (GOLDEN * f64::from(index)).fract()).sin_cos();
-            let direction = (u * cosine + v * sine) * squared.sqrt() + normal * (1.0 - squared).sqrt();
-            let Some(hit) = self.world.closest_hit(&point.ray(direction.as_vec3a())) else { continue };
-            hits.extend(lookup.part(self, &hit));
+            (index, (u * cosine + v * sine) * squared.sqrt() + normal * (1.0 - squared).sqrt())
+        })
+    }
+}
+
+impl Patches {
+    /// The parts that rays from a place find.
+    pub(super) fn found_by_rays(&self, rays: Rays<'_>, position: DVec3, normal: DVec3, primitive: u32) -> Vec<Found> {
+        let point = surface_point(position, normal, primitive);
+        let directions = rays.directions(normal).map(|(index, direction)| (index, point.ray(direction.as_vec3a())));
+        let count = f64::from(rays.count);
+        let Some(specular) = rays.specular else {
+            let hits = directions.filter_map(|(_, ray)| rays.lookup.part(self, &self.world.closest_hit(&ray)?));
+            let mut hits: Vec<u32> = hits.collect();
+            hits.sort_unstable();
+            #[allow(clippy::cast_precision_loss, reason = "a count of rays")]
+            let share = |same: &[u32]| Found { part: same[0], tint: Tint::default(), share: same.len() as f64 / count };
+            return hits.chunk_by(|a, b| a == b).map(share).collect();
+        };
+        let mut found: Vec<Found> = Vec::with_capacity(rays.count as usize);
+        for (index, ray) in directions {
+            if let Some(end) = specular.follow(ray, index) {
+                self.add_found(rays, &end, &mut found);
+            }
         }
-        hits.sort_unstable();
-        #[allow(clippy::cast_precision_loss, reason = "a count of rays")]
-        let share = |same: &[u32]| (same[0], same.len() as f64 / f64::from(count));
-        hits.chunk_by(|a, b| a == b).map(share).collect()
+        let key = |found: &Found| (found.tint, found.part);
+        found.sort_by_key(key);
+        let sum = |same: &[Found]| Found { share: same.iter().map(|f| f.share).sum::<f64>() / count, ..same[0] };
+        found.chunk_by(|a, b| key(a) == key(b)).map(sum).collect()
+    }
+
+    /// Adds what a ray found.
+    fn add_found(&self, rays: Rays<'_>, end: &End, found: &mut Vec<Found>) {
+        let Some(part) = rays.lookup.part(self, &end.hit) else { return };
+        let one = Found { part, tint: end.tint, share: end.weight };
+        found.push(one);
+        if rays.lamps && end.bent {
+            let side = self.nodes[rays.lookup.parts[part as usize].node as usize].side;
+            if self.sides[side as usize].emission.is_some() {
+                found.push(Found { part: rays.lookup.lamp(side), ..one });
+            }
+        }
     }
 }

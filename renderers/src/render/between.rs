@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use super::{BetweenOptions, Frame, Options, Pixels, Spectra, Watch, bilinear, prefiltered};
-use crate::radiosity::{self, Field, FieldSettings, Others, Radiosity, Report, Solution};
+use crate::radiosity::{self, Caustics, Field, FieldSettings, Others, Radiosity, Report, Solution};
 use crate::scene::{Integrator, Scene};
 use crate::spectral::{
     ComponentResolver, Components, IntervalMemory, IntervalSettings, Intervals, Palette, Resolver, SharedIntervals,
@@ -128,7 +128,7 @@ impl Job<'_> {
         let BetweenOptions { accuracy, exact } = options.between;
         let seen = frame.seen();
         watch.stage("light between surfaces", Field::STEPS);
-        let settings = FieldSettings { accuracy, exact };
+        let settings = FieldSettings { accuracy, exact, caustics: Caustics::LeftOut };
         let guide = radiosity.solve(guide).map_err(|e| RenderError::new(e.to_string()))?;
         let field = Field::new(scene, frame.scene, [solution, &guide], settings, &seen, &|steps| watch.add(steps));
         let gathered = start.elapsed().as_secs_f64();
