@@ -12,6 +12,8 @@ use super::map::{Near, PhotonMap, Region};
 
 /// Radii that are compared, each √2 times the next: the smallest has a 2¹⁵th of the area.
 const LEVELS: usize = 16;
+/// A radius with fewer photons (if they were as dense everywhere) is not looked at: its estimate says little.
+const FEWEST: usize = 12;
 /// Coordinates are known to this share of themselves: photons closer to each other can't be told apart.
 const RESOLUTION: f32 = 1e-6;
 /// The least radius, in scene units: the inverse of its square is finite.
@@ -52,7 +54,7 @@ impl Default for Density {
             count: 50,
             radius: f32::INFINITY,
             smallest: 0.0,
-            choice: Choice::Agreement(2.0),
+            choice: Choice::Agreement(3.0),
         }
     }
 }
@@ -261,9 +263,8 @@ impl Levels {
         let clearance = place.face.map_or(f64::INFINITY, |face| face.clearance(point));
         let [values, fluxes, areas] = [[0.0; LEVELS]; 3];
         let mut levels = Self { radius2, count: 1, values, fluxes, areas, point, clearance };
-        // The smallest has about one photon.
         let photons = estimate.near.len();
-        while levels.count < LEVELS && photons >> levels.count > 0 && levels.radius2(levels.count) >= smallest2 {
+        while levels.count < LEVELS && photons >> levels.count >= FEWEST && levels.radius2(levels.count) >= smallest2 {
             levels.count += 1;
         }
         levels.fill(estimate, place);
@@ -337,3 +338,6 @@ impl Levels {
         (bias * bias - variance).max(0.0).sqrt().copysign(bias)
     }
 }
+
+#[cfg(test)]
+mod tests;

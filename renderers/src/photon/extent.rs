@@ -1,6 +1,6 @@
 //! Where flat surfaces end, and how much of a kernel is on them.
 
-use alloc::collections::BTreeMap;
+use alloc::collections::{BTreeMap, BTreeSet};
 use core::f64::consts::TAU;
 use std::collections::HashMap;
 
@@ -316,11 +316,17 @@ impl Topology {
         let largest = |a: &&usize, b: &&usize| mesh.face_cross(**a).length().total_cmp(&mesh.face_cross(**b).length());
         let plane = triangles.iter().max_by(largest).copied().unwrap_or_default();
         let (u, v) = self.normals[plane].any_orthonormal_pair();
+        let mut known = BTreeSet::new();
+        let mut is_new = |triangle: &&usize| {
+            let mut corners = self.corners[**triangle];
+            corners.sort_unstable();
+            known.insert(corners)
+        };
         let [origin, ..] = mesh.corners(plane);
         let flat = |corner: DVec3| DVec2::new((corner - origin).dot(u), (corner - origin).dot(v));
-        // Edges between two of the triangles go both ways, and vanish; doubled ones count once.
+        // Edges between two of the triangles go both ways, and vanish.
         let mut edges: BTreeMap<(u32, u32), (i32, [DVec2; 2])> = BTreeMap::new();
-        for triangle in triangles {
+        for triangle in triangles.iter().filter(&mut is_new) {
             let (numbers, points) = (self.corners[*triangle], mesh.corners(*triangle).map(flat));
             for (i, j) in [(0, 1), (1, 2), (2, 0)] {
                 let (a, b) = (numbers[i], numbers[j]);
@@ -355,5 +361,149 @@ impl Groups {
     fn join(&mut self, a: usize, b: usize) {
         let (a, b) = (self.root(a), self.root(b));
         self.0[a.max(b)] = a.min(b);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use core::f64::consts::PI;
+
+    use glam::{DVec2, DVec3};
+
+    use super::{Extents, Face};
+    use crate::photon::kernel::Kernel;
+    use crate::scene::{Geometry, Mesh};
+
+    fn mesh(positions: &[[f64; 3]], triangles: &[[u32; 3]]) -> Geometry {
+        let positions = positions.iter().copied().map(DVec3::from_array).collect();
+        Geometry::Mesh(Mesh { positions, normals: None, triangles: triangles.to_vec() })
+    }
+
+    /// The mass of a kernel where `inside` says, by the midpoint rule on rings: exact but for where the outline cuts rings.
+    fn midpoint(kernel: Kernel, point: DVec2, radius: f64, inside: impl Fn(DVec2) -> bool) -> f64 {
+        let (rings, spokes) = (600, 1200);
+        let mut mass = 0.0;
+        for ring in 0..rings {
+            let t = (f64::from(ring) + 0.5) / f64::from(rings);
+            let is_in = |spoke: &i32| {
+                let angle = (f64::from(*spoke) + 0.5) / f64::from(spokes) * 2.0 * PI;
+                inside(point + DVec2::from_angle(angle) * (t * radius))
+            };
+            let share = (0..spokes).filter(is_in).count();
+            #[allow(clippy::cast_possible_truncation, clippy::cast_precision_loss, reason = "as it is used")]
+            let share = (f64::from(kernel.value((t * t) as f32)), share as f64 / f64::from(spokes));
+            mass += share.0 * share.1 * 2.0 * PI * t / f64::from(rings);
+        }
+        mass
+    }
+
+    /// Compares the masses about points of a face with those of quadrature, whose error is a step of its grid at most.
+    fn check(face: &Face, points: &[[f32; 3]], inside: impl Fn(DVec2) -> bool) {
+        for kernel in Kernel::ALL {
+            for point in points {
+                let place = face.place(*point);
+                assert!(inside(place), "{point:?}");
+                for radius in [0.05, 0.4, 1.5, 6.0] {
+                    let (mass, reference) =
+                        (face.mass(kernel, place, radius), midpoint(kernel, place, radius, &inside));
+                    assert!(
+                        (mass - reference.max(0.01)).abs() <= 2e-3,
+                        "{kernel:?} {point:?} {radius}: {mass} {reference}"
+                    );
+                    if radius <= face.clearance(place) {
+                        assert!((mass - 1.0).abs() <= 1e-8);
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn masses_on_rectangles_are_those_of_quadrature() {
+        let [half_u, half_v] = [DVec3::new(0.0, 1.0, 0.0), DVec3::new(0.0, 0.0, -2.0)];
+        let shape = Geometry::Rectangle { center: DVec3::new(3.0, 1.0, 0.5), half_u, half_v, normal: DVec3::X };
+        let extents = Extents::new([&shape]);
+        let face = extents.face(0, 0).unwrap();
+        let inside = |p: DVec2| p.x.abs() <= 1.0 && p.y.abs() <= 2.0;
+        check(face, &[[3.0, 1.0, 0.5], [3.0, 1.9, 0.5], [3.0, 1.99, 2.4], [3.0, 0.25, -1.25]], inside);
+        // On the outline and just beyond it, a half and a quarter.
+        for off in [0.0, 1e-7, -1e-7] {
+            let edge = face.mass(Kernel::Epanechnikov, DVec2::new(1.0 + off, 0.0), 0.5);
+            let corner = face.mass(Kernel::Cone, DVec2::new(1.0 + off, 2.0 + off), 0.5);
+            assert!((edge - 0.5).abs() <= 1e-6 && (corner - 0.25).abs() <= 1e-6, "{edge} {corner}");
+        }
+        assert_eq!(face.clearance(DVec2::new(0.5, 0.0)), 0.5);
+    }
+
+    #[test]
+    fn masses_on_disks_are_those_of_quadrature() {
+        let shape = Geometry::Disk { center: DVec3::new(0.0, 2.0, 0.0), radius: 1.2, normal: DVec3::Y };
+        let extents = Extents::new([&shape]);
+        let face = extents.face(0, 0).unwrap();
+        let points = [[0.0, 2.0, 0.0], [0.3, 2.0, 0.4], [0.0, 2.0, 1.19], [-1.0, 2.0, 0.6]];
+        check(face, &points, |p| p.length() <= 1.2);
+        // A large disk's rim is straight.
+        let large = Extents::new([&Geometry::Disk { center: DVec3::ZERO, radius: 1e6, normal: DVec3::Z }]);
+        let half = large.face(0, 0).unwrap().mass(Kernel::Epanechnikov, DVec2::new(1e6, 0.0), 1.0);
+        assert!((half - 0.5).abs() <= 1e-6, "{half}");
+    }
+
+    #[test]
+    fn coplanar_triangles_are_one_face_whatever_its_form() {
+        // An L of three squares, of which one meets the others along half an edge each; and an island.
+        let positions = [
+            [0.0, 0.0, 1.0],
+            [2.0, 0.0, 1.0],
+            [2.0, 1.0, 1.0],
+            [0.0, 1.0, 1.0],
+            [1.0, 1.0, 1.0],
+            [1.0, 2.0, 1.0],
+            [0.0, 2.0, 1.0],
+            [4.0, 0.0, 1.0],
+            [5.0, 0.0, 1.0],
+            [5.0, 1.0, 1.0],
+            [4.0, 1.0, 1.0],
+        ];
+        let triangles = [[0, 1, 2], [0, 2, 3], [3, 4, 5], [3, 5, 6], [7, 8, 9], [7, 9, 10], [7, 9, 10]];
+        let extents = Extents::new([&mesh(&positions, &triangles)]);
+        let face = extents.face(0, 0).unwrap();
+        for triangle in 1..7 {
+            assert!(core::ptr::eq(face, extents.face(0, triangle).unwrap()));
+        }
+        assert!(extents.face(0, 7).is_none() && extents.face(1, 0).is_none());
+        let place = |x: f32, y: f32| face.place([x, y, 1.0]);
+        let [origin, x, y] = [place(0.0, 0.0), place(1.0, 0.0) - place(0.0, 0.0), place(0.0, 1.0) - place(0.0, 0.0)];
+        let inside = |p: DVec2| {
+            let (a, b) = ((p - origin).dot(x), (p - origin).dot(y));
+            let within = |x: [f64; 2], y: [f64; 2]| a >= x[0] && a <= x[1] && b >= y[0] && b <= y[1];
+            within([0.0, 2.0], [0.0, 1.0]) || within([0.0, 1.0], [1.0, 2.0]) || within([4.0, 5.0], [0.0, 1.0])
+        };
+        check(face, &[[0.9, 0.9, 1.0], [1.5, 0.5, 1.0], [0.5, 1.05, 1.0], [4.2, 0.2, 1.0], [1.9, 0.95, 1.0]], inside);
+    }
+
+    #[test]
+    fn sharp_edges_part_faces_and_blunt_ones_do_not() {
+        // A prism about z with caps.
+        let prism = |sides: u32| {
+            let angle = |i: u32| f64::from(i) / f64::from(sides) * 2.0 * PI;
+            let ring = (0..sides).flat_map(|i| [0.0, 1.0].map(|z| [angle(i).cos(), angle(i).sin(), z]));
+            let positions: Vec<_> = ring.collect();
+            let next = |i: u32| (i + 1) % sides;
+            let side = |i: u32| [[2 * i, 2 * next(i), 2 * next(i) + 1], [2 * i, 2 * next(i) + 1, 2 * i + 1]];
+            let cap = |i: u32| [[0, 2 * next(i), 2 * i], [1, 2 * i + 1, 2 * next(i) + 1]];
+            let triangles: Vec<_> = (0..sides).flat_map(side).chain((1..sides - 1).flat_map(cap)).collect();
+            mesh(&positions, &triangles)
+        };
+        let (box_, cylinder) = (prism(4), prism(60));
+        let extents = Extents::new([&box_, &cylinder]);
+        assert_eq!(extents.shapes[0].faces.len(), 6);
+        assert!(extents.shapes[0].of_triangles.iter().all(Option::is_some));
+        assert_eq!(extents.shapes[1].faces.len(), 2);
+        assert!((0..120).all(|side| extents.face(1, side).is_none()) && extents.face(1, 120).is_some());
+        let cap = extents.face(1, 121).unwrap();
+        assert!((cap.clearance(cap.place([0.0, 0.0, 1.0])) - (PI / 60.0).cos()).abs() <= 1e-12);
+        assert!(cap.normal().z.abs() >= 1.0 - 1e-12 && cap.thickness() <= 1e-12);
+        let sphere = Geometry::Sphere { center: DVec3::ZERO, radius: 1.0, inward: false, axis: DVec3::Z };
+        assert!(Extents::new([&sphere]).face(0, 0).is_none());
     }
 }

@@ -8,6 +8,8 @@ mod density;
 mod extent;
 mod kernel;
 mod map;
+#[cfg(test)]
+mod random;
 mod spectra;
 
 pub(crate) use spectra::Spectra;
