@@ -41,8 +41,10 @@ pub(crate) struct Density {
 pub(crate) enum Choice {
     /// By the number of photons alone, as Iehl and Péroche do.
     Count,
-    /// The largest of nested radii whose estimate agrees with those of all smaller ones (Lepski 1991): they may differ by so many times the
-    /// standard deviation of their difference; positive.
+    /// The largest of nested radii whose estimate agrees with those of all smaller ones (Lepski 1991): two estimates may differ by
+    /// √(c² + 2 ln q) times the standard deviation of their difference, q being the ratio of their areas: the more a smaller radius would
+    /// scatter, the less often is it taken by mistake. c is positive. Where irradiance is uniform, 2.5 adds a tenth to the standard deviation
+    /// at most, and a bias of less than a hundredth.
     Agreement(f32),
 }
 
@@ -54,7 +56,7 @@ impl Default for Density {
             count: 50,
             radius: f32::INFINITY,
             smallest: 0.0,
-            choice: Choice::Agreement(3.0),
+            choice: Choice::Agreement(2.5),
         }
     }
 }
@@ -307,7 +309,7 @@ impl Levels {
     /// The largest radius that agrees with all smaller ones.
     fn choose(&self, bound: f64) -> usize {
         let agrees = |level: usize| (level + 1..self.count).all(|smaller| self.agree(level, smaller, bound));
-        (0..self.count).rev().take_while(|level| agrees(*level)).last().unwrap_or(0)
+        (0..self.count).find(|level| agrees(*level)).unwrap_or(0)
     }
 
     /// Whether the difference of a smaller radius' estimate to a larger one's is noise.
@@ -323,6 +325,7 @@ impl Levels {
         let photons = |level: usize| self.values[level] * self.areas[smaller] / flux;
         let root = |level: usize| (photons(level) + 0.375).max(0.0).sqrt();
         let ratio = self.radius2(smaller) / self.radius2(larger);
+        let bound = (bound * bound - 2.0 * ratio.ln()).sqrt();
         2.0 * (root(smaller) - root(larger)).abs() <= bound * (1.0 - ratio)
     }
 

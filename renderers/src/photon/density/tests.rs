@@ -164,16 +164,16 @@ fn profile(density: &Density, from: f32, to: f32, most: f32, truth: impl Fn(f32,
 
 #[test]
 fn radii_shrink_at_a_step_and_stay_elsewhere() {
-    let step = |x: f32, _: f32| if x < 0.0 { 1.0 } else { 0.2 };
-    let (fixed, adaptive) = (by_count(400, 0.5), Density { count: 400, radius: 0.5, ..Density::default() });
-    let [error, radius] = profile(&fixed, -0.08, 0.0, 1.0, step);
-    let [adapted_error, adapted_radius] = profile(&adaptive, -0.08, 0.0, 1.0, step);
-    assert!(adapted_radius <= 0.75 * radius, "{adapted_radius} {radius}");
-    assert!(adapted_error <= 0.9 * error, "{adapted_error} {error}");
+    let step = |x: f32, _: f32| if x < 0.0 { 1.0 } else { 0.0 };
+    let (fixed, adaptive) = (by_count(800, 0.5), Density { count: 800, radius: 0.5, ..Density::default() });
+    let [error, radius] = profile(&fixed, -0.1, 0.1, 1.0, step);
+    let [adapted_error, adapted_radius] = profile(&adaptive, -0.1, 0.1, 1.0, step);
+    assert!(adapted_radius <= 0.85 * radius, "{adapted_radius} {radius}");
+    assert!(adapted_error <= 0.8 * error, "{adapted_error} {error}");
     let [error, radius] = profile(&fixed, -0.8, -0.3, 1.0, step);
     let [adapted_error, adapted_radius] = profile(&adaptive, -0.8, -0.3, 1.0, step);
     assert!(adapted_radius >= 0.97 * radius, "{adapted_radius} {radius}");
-    assert!(adapted_error <= 1.2 * error, "{adapted_error} {error}");
+    assert!(adapted_error <= 1.1 * error, "{adapted_error} {error}");
 }
 
 #[test]
@@ -194,7 +194,7 @@ fn adapting_biases_uniform_irradiance_by_a_hundredth_at_most() {
     let [mean, error, deviation] = statistics(&(0..600).map(value).collect::<Vec<_>>());
     assert!((mean - 1.0).abs() <= 0.01 + 3.0 * error, "{mean} ± {error}");
     // Without adapting it is the root of 4/3 over 200.
-    assert!(deviation <= 1.15 * (4.0_f64 / 600.0).sqrt(), "{deviation}");
+    assert!(deviation <= 1.1 * (4.0_f64 / 600.0).sqrt(), "{deviation}");
 }
 
 #[test]
