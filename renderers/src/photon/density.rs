@@ -43,8 +43,8 @@ pub(crate) enum Choice {
     Count,
     /// The largest of nested radii whose estimate agrees with those of all smaller ones (Lepski 1991): two estimates may differ by
     /// √(c² + 2 ln q) times the standard deviation of their difference, q being the ratio of their areas: the more a smaller radius would
-    /// scatter, the less often is it taken by mistake. c is positive. Where irradiance is uniform, 2.5 adds a tenth to the standard deviation
-    /// at most, and a bias of less than a hundredth.
+    /// scatter, the less often is it taken by mistake. c is positive. Where irradiance is uniform and 50 to 800 photons are looked at, 2.5 adds
+    /// some 5 % to the standard deviation, and a bias of less than 1 %.
     Agreement(f32),
 }
 
