@@ -43,8 +43,8 @@ pub(crate) enum Choice {
     Count,
     /// The largest of nested radii whose estimate agrees with those of all smaller ones (Lepski 1991): two estimates may differ by
     /// √(c² + 2 ln q) times the standard deviation of their difference, q being the ratio of their areas: the more a smaller radius would
-    /// scatter, the less often is it taken by mistake. c is positive. Where irradiance is uniform, 2.5 adds a tenth to the standard deviation
-    /// at most, and a bias of less than a hundredth.
+    /// scatter, the less often is it taken by mistake. c is positive. Where irradiance is uniform and 50 to 800 photons are looked at, 2.5 adds
+    /// some 5 % to the standard deviation, and a bias of less than 1 %.
     Agreement(f32),
 }
 
@@ -141,11 +141,6 @@ impl Estimate {
     /// error and the bias together.
     pub(crate) fn error_of_a_photon(&self) -> f64 {
         if self.standard_error > 0.0 { (1.0 + (self.bias / self.standard_error).powi(2)).sqrt() } else { 0.0 }
-    }
-
-    /// The standard error over the value; 0 if nothing was found.
-    pub(crate) fn relative_error(&self) -> f64 {
-        if self.value > 0.0 { self.standard_error / self.value } else { 0.0 }
     }
 
     fn clear(&mut self) {

@@ -271,7 +271,7 @@ fn photons_in_one_point_are_spread_over_the_smallest_radius() {
         for choice in [Choice::Count, Choice::Agreement(3.0)] {
             let density = Density { smallest, choice, radius: 0.1, ..Density::default() };
             let estimate = estimate(&density, &map, &place(&extents, 0.5, 0.25));
-            let expected = 600.0 * 2.0 / core::f64::consts::PI / f64::from(radius * radius);
+            let expected = 600.0 * 2.0 / core::f64::consts::PI / (radius * radius);
             assert!((estimate.value / expected - 1.0).abs() <= 1e-5, "{} {expected}", estimate.value);
             assert_eq!(estimate.photons().count(), 300);
         }
