@@ -46,9 +46,13 @@ impl fmt::Display for Warning {
 impl fmt::Display for Flaw {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match *self {
-            Self::Open { edges: 0 } => f.write_str("is flat and encloses nothing: light enters its medium and never leaves it"),
+            Self::Open { edges: 0 } => {
+                f.write_str("is flat and encloses nothing: light enters its medium and never leaves it")
+            }
             Self::Open { edges: 1 } => f.write_str("is open along 1 edge: light leaves its medium without meeting it"),
-            Self::Open { edges } => write!(f, "is open along {edges} edges: light leaves its medium without meeting it"),
+            Self::Open { edges } => {
+                write!(f, "is open along {edges} edges: light leaves its medium without meeting it")
+            }
             Self::TwoFaced { edges } => {
                 write!(f, "has triangles that face opposite sides ({edges} edges between them)")
             }
