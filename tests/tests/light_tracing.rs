@@ -539,7 +539,7 @@ fn caustics_are_those_of_the_path_tracer() {
     let mirror = "<bsdf type='conductor'/>";
     let tilted = [
         tilted(&constant(1.5), "<translate x='1.6' y='2'/>"),
-        tilted(mirror, "<rotate z='1' angle='-50'/><translate x='-2.5' y='1.5'/>"),
+        tilted(mirror, "<rotate z='1' angle='-50'/><scale value='1.6'/><translate x='-3' y='2.5'/>"),
     ];
     let mut all = Comparisons::default();
     for (name, depth, height, body) in [
