@@ -411,7 +411,7 @@ mod tests {
         match (found, expected) {
             (None, None) => {}
             (Some(a), Some(b)) => assert!((a - b).abs() <= tolerance * (1.0 + b.abs()), "{what}: {a}, not {b}"),
-            _ => assert!(false, "{what}: {found:?}, not {expected:?}"),
+            _ => panic!("{what}: {found:?}, not {expected:?}"),
         }
     }
 

@@ -8,9 +8,10 @@
 //! whole, but for what path tracing can't find of lights without area. Linear Rec. 709, Y = ∫Lȳ / ∫ȳ over 380–780 nm; the channels
 //! `variance.R` … `variance.Y` have the variance of each pixel.
 
+use core::time::Duration;
 use std::io::Write;
 use std::path::Path;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use renderers::image::{Raster, write_exr};
 use renderers::path::{self, Paths, Run};

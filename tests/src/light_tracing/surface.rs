@@ -105,7 +105,7 @@ mod tests {
                     (Some([share, refracted]), Some((expected, cosine))) => {
                         assert!((share - expected).abs() <= 1e-12 && (refracted - cosine).abs() <= 1e-12);
                     }
-                    other => assert!(false, "{cosine} {index}: {other:?}"),
+                    other => panic!("{cosine} {index}: {other:?}"),
                 }
             }
         }
