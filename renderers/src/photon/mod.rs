@@ -12,8 +12,6 @@ mod points;
 mod products;
 mod spectra;
 mod target;
-#[cfg(test)]
-mod tests;
 mod trace;
 
 pub(crate) use account::Account;
@@ -52,3 +50,6 @@ pub(crate) struct Scattered {
     /// Which reflections and refractions it took: photons of one path and the same branch, at different wavelengths, correspond to each other.
     pub(crate) branch: u32,
 }
+
+#[cfg(test)]
+mod tests;
