@@ -1,8 +1,9 @@
 //! The photon maps of a scene: one for light that all waves share, and one for each bundle of waves that is asked for.
 
+use alloc::sync::Arc;
 use core::sync::atomic::{AtomicBool, Ordering};
 use std::collections::HashMap;
-use std::sync::{Arc, Mutex, OnceLock};
+use std::sync::{Mutex, OnceLock};
 
 use super::curves::{self, Curves};
 use super::waves::{Bundle, Waves};
@@ -274,7 +275,7 @@ impl<'s> Maps<'s> {
                 let Some(hit) = self.hit(photon) else { continue };
                 self.density.estimate(map, &self.place(&hit), |photon| thrown.worth(photon), &mut estimate);
                 if estimate.value > 0.0 {
-                    let error = estimate.standard_error.hypot(estimate.bias) / estimate.value;
+                    let error = estimate.relative_error().hypot(estimate.bias / estimate.value);
                     squares += error * error;
                     places += 1.0;
                 }
