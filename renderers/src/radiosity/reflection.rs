@@ -95,23 +95,41 @@ impl Reflection {
                 for (number, leaf) in transport.leaves.iter().enumerate() {
                     numbers[*leaf as usize] = number;
                 }
+                let straight = self.from_lamps(solution, lookup);
                 let mut once = self.reflected(solution, lookup, &whole, |part| {
-                    &between[numbers[part.node as usize] * width..][..width]
+                    let mut row = between[numbers[part.node as usize] * width..][..width].to_vec();
+                    let more = straight.get(part.group as usize * width..).unwrap_or_default();
+                    row.iter_mut().zip(more).for_each(|(r, m)| *r += m);
+                    row
                 });
                 self.add_lamps(solution, &mut once);
                 let of_group = |found: &Vec<Found>| added_up(found, &once, solution.representation());
                 let again: Vec<f64> = self.found.par_iter().flat_map_iter(of_group).collect();
-                self.reflected(solution, lookup, &whole, |part| &again[part.group as usize * width..][..width])
+                self.reflected(solution, lookup, &whole, |part| again[part.group as usize * width..][..width].to_vec())
             }
             Some(1) => {
-                let nothing = vec![0.0; width];
-                self.reflected(solution, lookup, &whole, |_| &nothing)
+                let straight = self.from_lamps(solution, lookup);
+                self.reflected(solution, lookup, &whole, |part| {
+                    let row = straight.get(part.group as usize * width..).unwrap_or_default().iter();
+                    row.copied().chain(core::iter::repeat(0.0)).take(width).collect()
+                })
             }
             // What a limited number of reflections leaves is known for whole patches only.
             Some(_) => whole,
         };
         self.add_lamps(solution, &mut found);
         found
+    }
+
+    /// What groups of parts receive from lamps by way of mirrors and glass, row by row; nothing at all where rays don't find that.
+    fn from_lamps(&self, solution: &Solution<'_>, lookup: &Lookup) -> Vec<f64> {
+        if !self.lamps {
+            return Vec::new();
+        }
+        let mut rows = vec![0.0; lookup.parts.len() * solution.width()];
+        self.add_lamps(solution, &mut rows);
+        let of_group = |found: &Vec<Found>| added_up(found, &rows, solution.representation());
+        self.found.par_iter().flat_map_iter(of_group).collect()
     }
 
     /// After the parts, what sides send out by themselves, where rays find that.
@@ -122,12 +140,12 @@ impl Reflection {
     }
 
     /// What parts reflect of direct light and of other light.
-    fn reflected<'o>(
+    fn reflected(
         &self,
         solution: &Solution<'_>,
         lookup: &Lookup,
         whole: &[f64],
-        other: impl Fn(&Part) -> &'o [f64] + Sync,
+        other: impl Fn(&Part) -> Vec<f64> + Sync,
     ) -> Vec<f64> {
         let (representation, width) = (solution.representation(), solution.width());
         let patches = &solution.radiosity.patches;
@@ -135,7 +153,7 @@ impl Reflection {
         let landed = self.landed.rows(representation);
         let of_part = |(number, ((part, direct), whole)): (usize, ((&Part, &Option<Vec<f64>>), &[f64]))| {
             let Some(factors) = direct else { return whole.to_vec() };
-            let mut row = other(part).to_vec();
+            let mut row = other(part);
             for (factor, spectrum) in factors.iter().zip(&lights) {
                 row.iter_mut().zip(spectrum).for_each(|(r, s)| *r += factor * s);
             }
