@@ -16,6 +16,9 @@ use crate::whitted::{Whitted, Worker};
 
 /// Rays of a gather for a group: errors of groups cancel in later gathers.
 const GROUP_RAYS: u32 = 256;
+/// Gathers for groups where there are mirrors or glass, which the patches' solution has only roughly: each corrects what is one reflection
+/// further away. Without them, one is enough.
+const SPECULAR_ROUNDS: u32 = 5;
 
 /// What parts of patches receive, free of wavelength.
 pub(super) struct Reflection {
@@ -26,7 +29,9 @@ pub(super) struct Reflection {
     lights: Vec<Factor>,
     /// For each group of parts, the parts that rays from its middle find.
     found: Vec<Vec<Found>>,
-    /// Whether these find lamps by way of mirrors and glass.
+    /// How often what groups receive is gathered.
+    rounds: u32,
+    /// Whether rays find lamps by way of mirrors and glass.
     lamps: bool,
     /// What else comes from lights.
     landed: Landed,
@@ -69,13 +74,14 @@ impl Reflection {
             direct: lookup.parts.par_iter().map_init(|| Worker::new(whitted, FactorOrder::Free), of_part).collect(),
             lights: whitted.light_factors().collect(),
             found: lookup.groups.par_iter().map(of_group).collect(),
+            rounds: if rays.specular.is_some() { SPECULAR_ROUNDS } else { 1 },
             lamps: rays.lamps,
             landed,
         }
     }
 
     /// The radiosity of each part of a patch: what it reflects of direct light, as it is in its middle, and of what its group receives from
-    /// all others. That is gathered once more, since patches of one radiosity spread light into the shadows of contacts.
+    /// all others. That is gathered again, since patches of one radiosity spread light into the shadows of contacts.
     pub(super) fn radiosity(&self, solution: &Solution<'_>, lookup: &Lookup) -> Vec<f64> {
         let (radiosity, width) = (solution.radiosity, solution.width());
         let of_node = |node: u32| &solution.nodes[node as usize * width..][..width];
@@ -102,10 +108,15 @@ impl Reflection {
                     row.iter_mut().zip(more).for_each(|(r, m)| *r += m);
                     row
                 });
-                self.add_lamps(solution, &mut once);
-                let of_group = |found: &Vec<Found>| added_up(found, &once, solution.representation());
-                let again: Vec<f64> = self.found.par_iter().flat_map_iter(of_group).collect();
-                self.reflected(solution, lookup, &whole, |part| again[part.group as usize * width..][..width].to_vec())
+                for _ in 0..self.rounds {
+                    self.add_lamps(solution, &mut once);
+                    let of_group = |found: &Vec<Found>| added_up(found, &once, solution.representation());
+                    let again: Vec<f64> = self.found.par_iter().flat_map_iter(of_group).collect();
+                    once = self.reflected(solution, lookup, &whole, |part| {
+                        again[part.group as usize * width..][..width].to_vec()
+                    });
+                }
+                once
             }
             Some(1) => {
                 let straight = self.from_lamps(solution, lookup);
