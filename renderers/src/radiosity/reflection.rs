@@ -101,7 +101,7 @@ impl Reflection {
                 for (number, leaf) in transport.leaves.iter().enumerate() {
                     numbers[*leaf as usize] = number;
                 }
-                let straight = self.from_lamps(solution, lookup);
+                let straight = self.caustics(solution, lookup);
                 let mut once = self.reflected(solution, lookup, &whole, |part| {
                     let mut row = between[numbers[part.node as usize] * width..][..width].to_vec();
                     let more = straight.get(part.group as usize * width..).unwrap_or_default();
@@ -119,7 +119,7 @@ impl Reflection {
                 once
             }
             Some(1) => {
-                let straight = self.from_lamps(solution, lookup);
+                let straight = self.caustics(solution, lookup);
                 self.reflected(solution, lookup, &whole, |part| {
                     let row = straight.get(part.group as usize * width..).unwrap_or_default().iter();
                     row.copied().chain(core::iter::repeat(0.0)).take(width).collect()
@@ -133,7 +133,7 @@ impl Reflection {
     }
 
     /// What groups of parts receive from lamps by way of mirrors and glass, row by row; nothing at all where rays don't find that.
-    fn from_lamps(&self, solution: &Solution<'_>, lookup: &Lookup) -> Vec<f64> {
+    fn caustics(&self, solution: &Solution<'_>, lookup: &Lookup) -> Vec<f64> {
         if !self.lamps {
             return Vec::new();
         }
@@ -162,8 +162,9 @@ impl Reflection {
         let patches = &solution.radiosity.patches;
         let lights: Vec<Vec<f64>> = self.lights.iter().map(|factor| light(representation, *factor)).collect();
         let landed = self.landed.rows(representation);
-        let of_part = |(number, ((part, direct), whole)): (usize, ((&Part, &Option<Vec<f64>>), &[f64]))| {
-            let Some(factors) = direct else { return whole.to_vec() };
+        let of_part = |number: usize| {
+            let (part, direct) = (&lookup.parts[number], &self.direct[number]);
+            let Some(factors) = direct else { return whole[number * width..][..width].to_vec() };
             let mut row = other(part);
             for (factor, spectrum) in factors.iter().zip(&lights) {
                 row.iter_mut().zip(spectrum).for_each(|(r, s)| *r += factor * s);
@@ -173,8 +174,7 @@ impl Reflection {
             representation.reflect(patches.sides[side as usize].reflectance, &mut row);
             row
         };
-        let parts = lookup.parts.par_iter().zip(&self.direct).zip(whole.par_chunks(width));
-        parts.enumerate().flat_map_iter(of_part).collect()
+        (0..lookup.parts.len()).into_par_iter().flat_map_iter(of_part).collect()
     }
 }
 
