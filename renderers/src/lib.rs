@@ -13,8 +13,7 @@ pub mod light;
 pub mod luminaire;
 mod material;
 pub mod path;
-#[allow(dead_code, unused_imports, reason = "the renderer that uses it is being built")]
-mod photon;
+pub mod photon;
 pub mod progress;
 pub mod radiosity;
 pub mod relight;

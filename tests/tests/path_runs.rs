@@ -4,7 +4,7 @@
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-use renderers::path::{Run, render};
+use renderers::path::{Paths, Run, render};
 use renderers::render::{Options, Renderer, Rendering, Spectra};
 use renderers::scene::{Scene, builtin};
 use serde_json::Value;
@@ -89,6 +89,9 @@ fn a_state_of_something_else_is_refused_in_a_line() {
         let error = traced(&options, Some(&state)).unwrap_err();
         assert_eq!(error, format!("{}: {reason}", state.display()));
     }
+    let run = Run { state: Some(&state), paths: Paths::WithoutCaustics, ..Run::default() };
+    let error = render(&scene(), &given, run, &|_| {}).unwrap_err().to_string();
+    assert_eq!(error, format!("{}: is of other paths, with or without caustics", state.display()));
     let mut other = scene();
     other.camera.fov += 1e-9;
     let run = Run { state: Some(&state), ..Run::default() };

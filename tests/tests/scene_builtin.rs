@@ -40,9 +40,9 @@ const CORNELL_BOXES: [&str; 5] =
 fn all_scenes_are_listed_the_default_first() {
     let names: Vec<_> = builtin::names().collect();
     assert_eq!(names[0], builtin::DEFAULT);
-    for name in
-        CORNELL_BOXES.iter().chain(&["cie-171-5-8", "furnace", "lounge", "cri-room", "neumann-schanda", "grazing"])
-    {
+    let others = ["cie-171-5-8", "furnace", "lounge", "cri-room", "neumann-schanda", "grazing"];
+    let caustics = ["caustic-ring", "caustic-ring-mirror", "prism", "prism-lamp", "cornell-box-glass"];
+    for name in CORNELL_BOXES.iter().chain(&others).chain(&caustics) {
         assert!(names.contains(name), "{name}");
     }
 }

@@ -52,10 +52,16 @@ impl Arguments {
         let scene = self.load()?;
         let points = read_points(&self.points)?;
         let direct = self.meter(&scene, None)?;
-        if *direct.indirect_part() != IndirectPart::NotComputed {
-            return self.measure(&direct, &points, None);
+        let warnings = super::warn(&scene);
+        let mut answer = if *direct.indirect_part() == IndirectPart::NotComputed {
+            self.with_radiosity(&scene, &points).or_else(|reason| self.measure(&direct, &points, Some(&reason)))
+        } else {
+            self.measure(&direct, &points, None)
+        }?;
+        if let Some(object) = answer.json.as_object_mut() {
+            object.insert("warnings".to_owned(), json!(warnings));
         }
-        self.with_radiosity(&scene, &points).or_else(|reason| self.measure(&direct, &points, Some(&reason)))
+        Ok(answer)
     }
 
     /// Readings with the light between surfaces; or why it can't be computed.

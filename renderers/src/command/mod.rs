@@ -6,6 +6,7 @@ mod brdf;
 mod compare;
 mod illuminance;
 mod light;
+mod photons;
 mod relight;
 mod render;
 mod scene;
@@ -15,6 +16,7 @@ use std::io::Write as _;
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
+use renderers::scene::Scene;
 
 /// Spectral rendering with a colour error bound, and the measures to judge it by.
 #[derive(Debug, Parser)]
@@ -94,10 +96,22 @@ fn show(text: &str) -> ExitCode {
 }
 
 fn fail(message: &str) -> ExitCode {
-    // File names and options may hold line breaks.
-    let line: String = message.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
-    let _ = writeln!(std::io::stderr(), "spectral: {line}");
+    let _ = writeln!(std::io::stderr(), "spectral: {}", single_line(message));
     ExitCode::from(2)
+}
+
+/// What a scene's author should know, each a line on stderr; the same for JSON.
+fn warn(scene: &Scene) -> Vec<String> {
+    let warnings: Vec<_> = scene.warnings().iter().map(ToString::to_string).collect();
+    for warning in &warnings {
+        let _ = writeln!(std::io::stderr(), "warning: {}", single_line(warning));
+    }
+    warnings
+}
+
+/// File names and options may hold line breaks.
+fn single_line(message: &str) -> String {
+    message.chars().map(|c| if c.is_control() { ' ' } else { c }).collect()
 }
 
 /// What clap says of wrong arguments and how to mend them, without the usage that `--help` shows.

@@ -15,6 +15,7 @@ use serde_json::json;
 use spectral_core::adaptive::Mode;
 use spectral_core::colour::rgb::linear_rgb_to_xyz;
 
+use super::photons::{self, PhotonArguments};
 use super::{Answer, Failure};
 
 /// The most pixels along a side, and rays in a pixel, that are taken for meant.
@@ -62,6 +63,8 @@ pub(super) struct Arguments {
     /// Gather light between surfaces for every camera ray instead of interpolating it.
     #[arg(long)]
     exact: bool,
+    #[command(flatten)]
+    photons: PhotonArguments,
     /// Path tracing goes on from this file if it is there, up to --spp samples altogether, and keeps its state in it.
     #[arg(long, value_name = "FILE")]
     resume: Option<PathBuf>,
@@ -79,6 +82,8 @@ enum Renderer {
     Whitted,
     /// The same, with all light between diffuse surfaces.
     Radiosity,
+    /// The same, with light by way of mirrors and glass, as photons.
+    PhotonMap,
     /// All light, without bias, by paths at random: the ground truth.
     Path,
 }
@@ -137,6 +142,7 @@ impl Arguments {
         let options = self.options()?;
         let scene = self.load()?;
         make_folder(&self.out)?;
+        let warnings = super::warn(&scene);
         let bars = Bars::default();
         let rendering = match &self.resume {
             Some(file) if self.renderer == Renderer::Path => {
@@ -149,7 +155,7 @@ impl Arguments {
         }
         .map_err(|e| Failure(format!("{}: {e}", self.scene)))?;
         drop(bars);
-        let report = Report::new(&scene, &options, &rendering, self.threshold());
+        let report = Report { warnings, ..Report::new(&scene, &options, &rendering, self.threshold()) };
         let files = self.write(&report, &rendering)?;
         Ok(report.answer(&files))
     }
@@ -187,14 +193,23 @@ impl Arguments {
         let renderer = match self.renderer {
             Renderer::Whitted => render::Renderer::Whitted,
             Renderer::Radiosity => render::Renderer::Radiosity,
+            Renderer::PhotonMap => render::Renderer::PhotonMap,
             Renderer::Path => render::Renderer::Path,
         };
-        if (self.accuracy.is_some() || self.exact) && self.renderer != Renderer::Radiosity {
-            return Err(Failure("--accuracy and --exact are for --renderer radiosity".to_owned()));
+        let photons = self.photons.options(self.renderer == Renderer::PhotonMap)?;
+        let has_light_between = match self.renderer {
+            Renderer::Radiosity => true,
+            Renderer::PhotonMap => photons.between,
+            Renderer::Whitted | Renderer::Path => false,
+        };
+        if (self.accuracy.is_some() || self.exact) && !has_light_between {
+            return Err(Failure(
+                "--accuracy and --exact are for renderers that find light between surfaces".to_owned(),
+            ));
         }
         let accuracy = self.accuracy.unwrap_or(BetweenOptions::default().accuracy);
         let between = BetweenOptions { accuracy, exact: self.exact };
-        Ok(Options { renderer, spectra, size: self.size, samples: self.spp, seed: self.seed, between })
+        Ok(Options { renderer, spectra, size: self.size, samples: self.spp, seed: self.seed, between, photons })
     }
 
     /// The threshold asked for, or the default.
@@ -205,7 +220,7 @@ impl Arguments {
     /// The representation asked for, or the renderer's default.
     fn representation(&self) -> Representation {
         self.spectra.unwrap_or(match self.renderer {
-            Renderer::Whitted | Renderer::Radiosity => Representation::Interval,
+            Renderer::Whitted | Renderer::Radiosity | Renderer::PhotonMap => Representation::Interval,
             Renderer::Path => Representation::Uniform(PATH_BINS),
         })
     }
@@ -228,6 +243,7 @@ impl Arguments {
         let renderer = match self.renderer {
             Renderer::Whitted => "",
             Renderer::Radiosity => "-radiosity",
+            Renderer::PhotonMap => "-photon-map",
             Renderer::Path => "-path",
         };
         let stem = format!("{}{renderer}-{}{bound}", report.scene, report.spectra.replace(':', ""));
@@ -240,6 +256,7 @@ impl Arguments {
         let mut channels = vec![("intervals", &rendering.intervals)];
         channels.extend(rendering.delta_e.as_ref().map(|map| ("delta_e.bound", map)));
         channels.extend(rendering.path_delta_e.as_ref().map(|map| ("delta_e.path", map)));
+        channels.extend(rendering.photon_delta_e.as_ref().map(|map| ("delta_e.photons", map)));
         write_exr(&file(".exr"), &rendering.picture, &channels, &[])?;
         if let Some(variance) = &rendering.variance {
             write_exr(&file("-variance.exr"), &variance.rgb, &[("Y", &variance.luminance)], &[])?;
@@ -304,6 +321,8 @@ struct Report {
     errors: Option<Histogram>,
     threshold: f64,
     between: Option<BetweenReport>,
+    photons: Option<photons::Summary>,
+    warnings: Vec<String>,
 }
 
 impl Report {
@@ -339,6 +358,8 @@ impl Report {
             errors,
             threshold,
             between: rendering.between,
+            photons: photons::Summary::new(rendering),
+            warnings: Vec::new(),
         }
     }
 
@@ -371,6 +392,9 @@ impl Report {
             table.row(["gathers".to_owned(), between.gathers.to_string()]);
             table.row(["seconds: build, solve, gather".to_owned(), format!("{build:.3}, {solve:.3}, {gather:.3}")]);
         }
+        if let Some(photons) = &self.photons {
+            photons.rows(&mut table);
+        }
         table.row(["intervals, mean".to_owned(), format!("{:.2}", self.interval_mean)]);
         table.row(["intervals, maximum".to_owned(), format!("{}", self.interval_max)]);
         if let Some([mean, max, path, above]) = self.bound {
@@ -391,6 +415,9 @@ impl Report {
                 text += "\nbound of ΔE*ab per pixel\n";
                 text += &errors.to_text(40);
             }
+        }
+        if let Some(photons) = &self.photons {
+            text += &photons.text();
         }
         text += "\n";
         for file in files {
@@ -438,6 +465,8 @@ impl Report {
             "delta_e_bound_histogram": self.errors.as_ref().map(Histogram::counts),
             "pixels_outside_bound_histogram": self.errors.as_ref().map(Histogram::outside),
             "radiosity": between,
+            "photon_map": self.photons.as_ref().map(photons::Summary::json),
+            "warnings": self.warnings,
             "files": files,
         })
     }
@@ -452,7 +481,7 @@ fn noise(picture: &Picture, variance: &render::Variance) -> [f64; 2] {
     [luminance / count, error / count]
 }
 
-fn mean_and_max(map: &ScalarMap) -> [f64; 2] {
+pub(super) fn mean_and_max(map: &ScalarMap) -> [f64; 2] {
     let values = || map.pixels().iter().map(|v| f64::from(*v));
     #[allow(clippy::cast_precision_loss, reason = "a count of pixels")]
     let count = map.pixels().len() as f64;

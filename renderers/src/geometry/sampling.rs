@@ -42,7 +42,7 @@ impl SobolSequence {
 }
 
 /// The second Sobol coordinate of a point; the first is the index with its bits reversed.
-const fn sobol_second(index: u32) -> u32 {
+pub(crate) const fn sobol_second(index: u32) -> u32 {
     // The direction numbers are the rows of Pascal's triangle modulo 2, which shifts and sums form all at once.
     let mut x = index;
     x ^= (x & 0xaaaa_aaaa) >> 1;
@@ -54,7 +54,7 @@ const fn sobol_second(index: u32) -> u32 {
 }
 
 /// Owen's nested uniform scrambling: every bit is flipped or not by a hash of the bits above it.
-const fn scramble(x: u32, seed: u32) -> u32 {
+pub(crate) const fn scramble(x: u32, seed: u32) -> u32 {
     permute(x.reverse_bits(), seed).reverse_bits()
 }
 
@@ -75,7 +75,7 @@ const fn mix(x: u32) -> u32 {
     x ^ (x >> 16)
 }
 
-const fn combine(seed: u32, value: u32) -> u32 {
+pub(crate) const fn combine(seed: u32, value: u32) -> u32 {
     mix(seed ^ mix(value.wrapping_add(0x9e37_79b9)))
 }
 

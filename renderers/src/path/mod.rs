@@ -69,6 +69,21 @@ pub enum Strategy {
     Scattering,
 }
 
+/// Which paths count.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Paths {
+    /// All of them.
+    #[default]
+    All,
+    /// All but caustics that are seen directly: paths L S⁺ D E, along which the light of a surface that shines (L) meets one or more
+    /// mirrors and smooth boundaries (S), then one surface that scatters it into a solid angle (D), and from there the eye.
+    ///
+    /// This is what light tracing finds by connecting particles to the eye: its picture of these paths and this one add up to the whole.
+    /// Caustics seen in mirrors or through glass (L S⁺ D S⁺ E), caustics' light scattered once more (L S⁺ D … D E), and what the environment
+    /// shines through glass and by mirrors, still count here.
+    WithoutCaustics,
+}
+
 /// How far paths go.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Settings {
@@ -108,6 +123,7 @@ pub struct PathTracer {
     lights: Lights,
     settings: Settings,
     strategy: Strategy,
+    paths: Paths,
 }
 
 impl PathTracer {
@@ -132,8 +148,9 @@ impl PathTracer {
             }
         }
         let lights = Lights::new(scene, &world, palette)?;
-        let (settings, strategy) = (Settings::new(scene.integrator), Strategy::default());
-        Ok(Self { camera: camera(scene, size)?, world, surfaces, lights, settings, strategy })
+        let settings = Settings::new(scene.integrator);
+        let (strategy, paths) = (Strategy::default(), Paths::default());
+        Ok(Self { camera: camera(scene, size)?, world, surfaces, lights, settings, strategy, paths })
     }
 }
 
@@ -149,6 +166,8 @@ impl Surface {
 pub struct Run<'a> {
     /// How lights are found.
     pub strategy: Strategy,
+    /// Which paths count.
+    pub paths: Paths,
     /// The file that keeps what has been rendered. If it is there, the rendering goes on from it, up to the number of samples asked for
     /// altogether; it is written about every minute and at the end, and is always complete.
     pub state: Option<&'a Path>,
@@ -169,12 +188,12 @@ pub fn render(
     check_area(size)?;
     check_memory(size)?;
     let mut palette = Palette::default();
-    let tracer = PathTracer { strategy: run.strategy, ..PathTracer::new(scene, size, &mut palette)? };
+    let tracer = PathTracer { strategy: run.strategy, paths: run.paths, ..PathTracer::new(scene, size, &mut palette)? };
     let seed = options.seed.unwrap_or(scene.sampler.seed);
     let size = size.map(|s| s as usize);
     let spectra = options.spectra.to_string();
     let frame = Frame {
-        identity: Identity { scene: state::digest(scene), size, seed, spectra },
+        identity: Identity { scene: state::digest(scene), size, seed, spectra, paths: run.paths },
         samples: options.samples.unwrap_or(scene.sampler.sample_count).max(1),
         filter: filter(scene.film.filter)?,
         tracer: &tracer,
@@ -341,6 +360,8 @@ impl Frame<'_> {
             intervals,
             delta_e: None,
             path_delta_e: None,
+            photon_delta_e: None,
+            photons: None,
             variance,
             samples: self.samples,
             rays,

@@ -6,6 +6,7 @@ use core::fmt::{self, Write as _};
 use std::io::{ErrorKind, Write as _};
 use std::path::Path;
 
+use super::Paths;
 use super::film::{NUMBERS, Pixel};
 use crate::image::write_atomic;
 use crate::scene::{Sampler, Scene};
@@ -21,6 +22,7 @@ pub(super) struct Identity {
     pub(super) size: [usize; 2],
     pub(super) seed: u64,
     pub(super) spectra: String,
+    pub(super) paths: Paths,
 }
 
 /// The FNV-1a hash of 128 bits (G. Fowler, L. C. Noll, K.-P. Vo).
@@ -60,11 +62,20 @@ pub(super) fn digest(scene: &Scene) -> u128 {
     hash.0
 }
 
+/// What a file of such paths calls itself.
+const fn word(paths: Paths) -> &'static str {
+    match paths {
+        Paths::All => "path",
+        Paths::WithoutCaustics => "path-without-caustics",
+    }
+}
+
 impl Identity {
     fn head(&self, samples: u32) -> String {
-        let Self { scene, size: [width, height], seed, spectra } = self;
+        let Self { scene, size: [width, height], seed, spectra, paths } = self;
+        let paths = word(*paths);
         format!(
-            "spectral path {VERSION} scene {scene:032x} size {width}x{height} seed {seed} spectra {spectra} samples {samples}\n"
+            "spectral {paths} {VERSION} scene {scene:032x} size {width}x{height} seed {seed} spectra {spectra} samples {samples}\n"
         )
     }
 
@@ -74,7 +85,7 @@ impl Identity {
         let words: Vec<&str> = head.split(' ').collect();
         let [
             "spectral",
-            "path",
+            paths,
             version,
             "scene",
             scene,
@@ -90,11 +101,15 @@ impl Identity {
         else {
             return Err(DAMAGED);
         };
+        if ![Paths::All, Paths::WithoutCaustics].map(word).contains(&paths) {
+            return Err(DAMAGED);
+        }
         let [width, height] = self.size;
         if version != VERSION.to_string() {
             return Err("is of another version of this program");
         }
         for (same, otherwise) in [
+            (paths == word(self.paths), "is of other paths, with or without caustics"),
             (scene == format!("{:032x}", self.scene), "is of another scene"),
             (size == format!("{width}x{height}"), "is of another image size"),
             (seed == self.seed.to_string(), "is of another seed"),

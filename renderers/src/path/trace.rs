@@ -5,7 +5,7 @@ use glam::DVec3;
 use super::carrier::{Carrier, unit_48};
 use super::light::{End, Towards};
 use super::scatter::{Scattered, Scatterer};
-use super::{PathTracer, Strategy};
+use super::{PathTracer, Paths, Strategy};
 use crate::direct::power_heuristic;
 use crate::direct::{Receiver, single};
 use crate::geometry::sampling::SobolSequence;
@@ -72,6 +72,30 @@ struct State {
     index2: f64,
     /// How this segment was chosen; `None` if it couldn't be otherwise.
     chosen: Option<Chosen>,
+    met: Met,
+}
+
+/// What a path from the eye has met.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Met {
+    Nothing,
+    /// One surface that scatters, and nothing before it.
+    Scatterer,
+    /// That, then mirrors and smooth boundaries alone: where it ends on a light, it is a caustic seen directly.
+    Specular,
+    /// Anything else.
+    More,
+}
+
+impl Met {
+    /// After one surface more, which scattered into a solid angle or not.
+    const fn then(self, scatters: bool) -> Self {
+        match (self, scatters) {
+            (Self::Nothing, true) => Self::Scatterer,
+            (Self::Scatterer | Self::Specular, false) => Self::Specular,
+            _ => Self::More,
+        }
+    }
 }
 
 /// A direction that was chosen from a solid angle.
@@ -106,7 +130,7 @@ impl<'s> Walk<'s> {
         if settings.max_depth == Some(0) {
             return;
         }
-        let mut state = State { ray, segment: 1, interior: None, index2: 1.0, chosen: None };
+        let mut state = State { ray, segment: 1, interior: None, index2: 1.0, chosen: None, met: Met::Nothing };
         while let Some(next) = self.segment(&state, points, carrier) {
             if next.segment > settings.rr_depth && !survives(&next, points, carrier) {
                 return;
@@ -125,7 +149,8 @@ impl<'s> Walk<'s> {
         };
         let surface = self.scene.surfaces.get(hit.shape as usize)?;
         self.absorb(state, &hit, carrier);
-        if let (Some(emission), true) = (surface.emission, hit.front) {
+        let left_out = self.scene.paths == Paths::WithoutCaustics && state.met == Met::Specular;
+        if let (Some(emission), true, false) = (surface.emission, hit.front, left_out) {
             let density = |c: &Chosen| self.scene.lights.density(c.position, &hit);
             let weight = self.weight_of_found(state.chosen.as_ref(), density);
             carrier.gather(&[(None, 1.0)], emission, weight);
@@ -133,7 +158,7 @@ impl<'s> Walk<'s> {
         if self.scene.settings.max_depth.is_some_and(|most| state.segment >= most) {
             return None;
         }
-        let next = State { segment: state.segment + 1, chosen: None, ..*state };
+        let next = State { segment: state.segment + 1, chosen: None, met: state.met.then(false), ..*state };
         match surface.material.side(hit.front)? {
             Material::Mirror(factors) => {
                 let cosine = -direction.dot(receiver(&hit).normal);
@@ -150,7 +175,8 @@ impl<'s> Walk<'s> {
                 if factor.is_some() {
                     carrier.multiply(&[(factor, 1.0)]);
                 }
-                self.scatter(&scatterer, &receiver, next, points, carrier)
+                let next = self.scatter(&scatterer, &receiver, next, points, carrier)?;
+                Some(State { met: state.met.then(next.chosen.is_some()), ..next })
             }
         }
     }

@@ -4,9 +4,38 @@
 //! meets a medium in which light behaves differently by wavelength, it stands for the whole spectrum, as a product of spectra. Behind such a
 //! medium it stands for a bundle of waves: it is thrown again for each interval that a pixel asks for.
 
+mod account;
+mod aim;
+mod beam;
+mod curves;
+mod density;
+mod emission;
+mod extent;
+mod kernel;
+mod map;
+mod maps;
+mod points;
+mod products;
+#[cfg(test)]
+mod random;
 mod spectra;
+mod target;
+#[cfg(test)]
+mod tests;
+mod trace;
+mod waves;
 
+pub(crate) use account::Account;
+pub(crate) use density::{Choice, Density, Estimate, Place};
+pub(crate) use emission::{Emission, Emitted, Settings};
+pub(crate) use extent::Extents;
+pub use kernel::Kernel;
+pub(crate) use map::PhotonMap;
+pub(crate) use maps::Maps;
+pub use maps::{BandReport, Rethrow};
 pub(crate) use spectra::Spectra;
+pub(crate) use trace::{Limits, Prefix};
+pub use waves::Bundle;
 
 /// Light where it met a surface that scatters it.
 #[derive(Clone, Copy, Debug, PartialEq)]

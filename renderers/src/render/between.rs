@@ -1,4 +1,4 @@
-//! Whitted's ray tracing with radiosity in place of the ambient term.
+//! Whitted's ray tracing with radiosity in place of the ambient term, for all renderers that have it.
 
 use std::time::Instant;
 

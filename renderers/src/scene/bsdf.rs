@@ -213,10 +213,15 @@ fn factor<'a>(props: &mut Props<'a>, spectra: &mut Spectra<'a>, name: &str) -> R
     spectra.property(props, name, Role::Fraction, SpectrumKind::Constant(1.0))
 }
 
-/// A refractive index: a number, a name of Mitsuba's or of a dispersive glass, or a spectrum.
+/// A refractive index: a number, a name of Mitsuba's or of a dispersive glass, or a spectrum. A `<float>` may hold a glass's name too,
+/// so that a parameter of a scene that Mitsuba opens can be either; 437907 is a name, no number.
 fn ior<'a>(props: &mut Props<'a>, spectra: &mut Spectra<'a>, name: &str, default: f64) -> Result<Ior, SceneError> {
     let Some(node) = props.peek(name) else { return Ok(Ior::Constant(default)) };
     match node.tag() {
+        "float" if node.attribute("value").is_some_and(|text| DISPERSIVE_GLASSES.contains(&text)) => {
+            let text = props.number_text(name)?;
+            Ok(text.map_or(Ior::Constant(default), |(_, glass)| Ior::Glass(glass.to_owned())))
+        }
         "string" => {
             let Some((node, text)) = props.string(name)? else { return Ok(Ior::Constant(default)) };
             named_ior(text).ok_or_else(|| {

@@ -25,6 +25,11 @@ const SCENES: &[(&str, &str)] = embedded![
     "lounge.xml",
     "cri-room.xml",
     "neumann-schanda.xml",
+    "caustic-ring.xml",
+    "caustic-ring-mirror.xml",
+    "prism.xml",
+    "prism-lamp.xml",
+    "cornell-box-glass.xml",
 ];
 
 const ASSETS: &[(&str, &str)] = embedded![
@@ -42,7 +47,9 @@ const ASSETS: &[(&str, &str)] = embedded![
     "meshes/lounge_painting_right.obj",
     "meshes/lounge_sofa.obj",
     "meshes/lounge_table.obj",
+    "meshes/prism.obj",
     "meshes/right_wall.obj",
+    "meshes/ring.obj",
     "meshes/short_block.obj",
     "meshes/tall_block.obj",
     "spectra/colorchecker_black_2.spd",
@@ -99,8 +106,8 @@ pub fn load(name: &str, parameters: &[(String, String)]) -> Result<Scene, SceneE
 }
 
 /// Writes a built-in scene and the files that it names into a folder, made if need be, and returns what was written, the
-/// scene first. Mitsuba 3 opens all but `cornell-box-spheres`,
-/// `cornell-box-paper` and `cri-room`, which use extensions.
+/// scene first. Mitsuba 3 opens all but `cornell-box-spheres`, `cornell-box-paper`, `cri-room`, `caustic-ring`, `prism` and
+/// `prism-lamp`, which use extensions.
 ///
 /// # Errors
 /// An unknown name, or the file that can't be written.

@@ -27,7 +27,7 @@
 //! | | `obj` | the same, `filename`, `face_normals`; `v`, `vn`, `f` with 3 or 4 corners |
 //! | `<bsdf>` | `diffuse` | `reflectance` (0.5) |
 //! | | `conductor` | `material` (`none`, `Au`, `Ag`, `Cu`, `Al`) or `eta` and `k`; `specular_reflectance` (1); default: perfect mirror |
-//! | | `dielectric` | `int_ior` (1.5046), `ext_ior` (1.000277): a number, a name of Mitsuba's, *ext.* one of [`DISPERSIVE_GLASSES`] or a spectrum; `specular_reflectance`, `specular_transmittance` (1); `absorption` *ext.* |
+//! | | `dielectric` | `int_ior` (1.5046), `ext_ior` (1.000277): a number, a name of Mitsuba's, *ext.* one of [`DISPERSIVE_GLASSES`] (in a `<string>` or a `<float>`) or a spectrum; `specular_reflectance`, `specular_transmittance` (1); `absorption` *ext.* |
 //! | | `schlick` *ext.* | `reflectance` (0.5), `roughness` (1), `isotropy` (1) |
 //! | | `ward` *ext.* | `variant` (`ward`, `ward-duer`, `ward-neumann`, `balanced`: the default), `alpha` (0.1) or `alpha_u` and `alpha_v`, 10⁻⁶ to 100; `specular_reflectance` (0.2), `diffuse_reflectance` (0.5): together at most 1 at every wavelength |
 //! | | `twosided` | one or two `bsdf`s or `ref`s |
@@ -68,6 +68,8 @@
 //! cameras, scenes without a sensor, textures, included files, text between elements, and properties
 //! given twice.
 //!
+//! What is no error but hardly meant is told by [`Scene::warnings`]: surfaces of transparent media that don't enclose them.
+//!
 //! ```
 //! use renderers::scene::{BsdfKind, Source, load};
 //!
@@ -98,6 +100,7 @@ mod shape;
 mod source;
 mod spectrum;
 mod transform;
+mod warning;
 mod xml;
 
 pub use bsdf::DISPERSIVE_GLASSES;
@@ -107,6 +110,7 @@ pub use glam;
 pub use load::load;
 pub use source::Source;
 pub use spectrum::parse_file as parse_spectrum_file;
+pub use warning::{Flaw, Warning};
 
 #[cfg(test)]
 mod tests;

@@ -55,9 +55,14 @@ impl<'a> Props<'a> {
         Some(self.rest.remove(at))
     }
 
+    /// Takes a `<float>` or `<integer>` as it is written.
+    pub(crate) fn number_text(&mut self, name: &str) -> Result<Option<(Node<'a>, &'a str)>, SceneError> {
+        self.value(name, &["float", "integer"])
+    }
+
     /// Takes a `<float>` or `<integer>`.
     pub(crate) fn float(&mut self, name: &str) -> Result<Option<f64>, SceneError> {
-        self.value(name, &["float", "integer"])?.map(|(node, text)| parse_float(node, text)).transpose()
+        self.number_text(name)?.map(|(node, text)| parse_float(node, text)).transpose()
     }
 
     /// Takes a `<float>` that must satisfy a condition, described by `what` as in "must be positive".
@@ -68,7 +73,7 @@ impl<'a> Props<'a> {
         holds: impl Fn(f64) -> bool,
         what: &str,
     ) -> Result<f64, SceneError> {
-        let Some((node, text)) = self.value(name, &["float", "integer"])? else {
+        let Some((node, text)) = self.number_text(name)? else {
             return Ok(default);
         };
         let value = parse_float(node, text)?;

@@ -24,8 +24,7 @@ const BRIGHTEST: f64 = 64.0;
 const MAX_KEPT: usize = 1 << 16;
 const MAX_RECORDED: usize = 1 << 13;
 /// A colour of which nothing is known.
-const UNKNOWN: Colour =
-    Colour { xyz: [0.0; 3], radius: [f64::INFINITY; 3], delta_e: f64::INFINITY, path_delta_e: 0.0, intervals: 1 };
+const UNKNOWN: Colour = Colour { radius: [f64::INFINITY; 3], delta_e: f64::INFINITY, intervals: 1, ..Colour::DARK };
 
 /// What the interval representation aims at.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -177,8 +176,8 @@ impl<'a> Intervals<'a> {
             xyz: normalised(found.xyz),
             radius: normalised(found.radius),
             delta_e: found.delta_e,
-            path_delta_e: 0.0,
             intervals: found.intervals,
+            ..Colour::DARK
         })
     }
 
@@ -239,6 +238,7 @@ impl<'a> Intervals<'a> {
             radius: normalised(found.radius),
             delta_e: found.delta_e,
             path_delta_e: path.map_or(0.0, |r| delta_e_bound(found.xyz, r, shared.white).delta_e),
+            photon_delta_e: 0.0,
             intervals: found.intervals,
         }
     }

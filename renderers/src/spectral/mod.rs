@@ -17,8 +17,8 @@ pub use components::{ComponentResolver, Components};
 pub use gathered::{RowColour, WithGathered};
 pub use interval::{IntervalMemory, IntervalSettings, Intervals, SharedIntervals};
 pub use palette::{Factor, Palette, Role, Tabulated};
-pub(crate) use radiance::PairHasher;
 pub use radiance::{Deferred, FactorOrder, Gathered, Monomial, Monomials, Radiance};
+pub(crate) use radiance::{PairBuild, PairHasher};
 pub use uniform::{Uniform, UniformBins};
 
 /// ∫ȳ of the CIE 1931 observer over 380–780 nm in nm, at 1 nm, exact for its linear interpolation: what divides ∫Lȳ so that a flat
@@ -37,8 +37,16 @@ pub struct Colour {
     pub delta_e: f64,
     /// The part of the bound that comes of deferred light's paths: an estimate.
     pub path_delta_e: f64,
+    /// What a standard error of the light found by photons counts for: a ΔE*ab, not part of the bound.
+    pub photon_delta_e: f64,
     /// How many intervals, bins or components it took.
     pub intervals: usize,
+}
+
+impl Colour {
+    /// No light, no error, and nothing done for it.
+    pub(crate) const DARK: Self =
+        Self { xyz: [0.0; 3], radius: [0.0; 3], delta_e: 0.0, path_delta_e: 0.0, photon_delta_e: 0.0, intervals: 0 };
 }
 
 /// Waves that deferred light is traced for together.

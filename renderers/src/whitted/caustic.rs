@@ -1,5 +1,7 @@
 //! Light that reaches surfaces by way of mirrors and glass, from whatever finds it.
 
+use alloc::sync::Arc;
+
 use glam::DVec3;
 use spectral_core::brdf::Schlick;
 
@@ -8,19 +10,34 @@ use crate::direct::{Part, Receiver};
 use crate::frame::Frame;
 use crate::geometry::Hit;
 use crate::material::{Glossy, Lobe, Material};
+use crate::photon::{Estimate, Spectra};
 use crate::spectral::{Band, Deferred, Factor, Monomial, Radiance};
 
 /// Light that reaches surfaces by way of mirrors and glass: paths L S⁺ D.
 pub(crate) trait Caustics: Sync {
     /// Finds the light that reaches a place on a surface: on the side that was hit, by ways that are the same for all waves if there is no
-    /// band, or by those that are not, for the waves of a band. What is found is added to `found`.
-    fn arriving(&self, hit: &Hit, band: Option<Band>, found: &mut Vec<Arriving>);
+    /// band, or by those that are not, for the waves of a band, within the reach for that place. What is found is added to `found`; returned
+    /// are the products of spectra that it refers to.
+    fn arriving(&self, hit: &Hit, band: Option<(Band, Reach)>, found: &mut Arrived) -> Arc<Spectra>;
 
-    /// Whether light reaches a place by ways that depend on the wavelength.
-    fn is_dispersed(&self, hit: &Hit) -> bool;
+    /// From how far light counts for a place that reaches it by ways that depend on the wavelength; `None` if none does.
+    fn reach(&self, hit: &Hit, scratch: &mut Estimate) -> Option<Reach>;
+}
 
-    /// The leaves of a product of spectra, from the eye to the light.
-    fn leaves(&self, spectrum: u32) -> &[u32];
+/// From how far light counts for a place.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Reach {
+    /// In scene units.
+    pub(crate) radius: f32,
+    /// The bias that comes of it, relative to the light.
+    pub(crate) bias: f64,
+}
+
+/// What was found at a place, with memory to find it.
+#[derive(Debug, Default)]
+pub(crate) struct Arrived {
+    pub(crate) list: Vec<Arriving>,
+    pub(crate) scratch: Estimate,
 }
 
 /// Light that reaches a surface from one direction.
@@ -30,7 +47,7 @@ pub(crate) struct Arriving {
     pub(crate) direction: DVec3,
     /// Its irradiance for a spectrum of 1.
     pub(crate) irradiance: f64,
-    /// The standard error of that, all light that was found with it together.
+    /// Its part of the standard error: the squares of the parts of all that was found together add up to that of the sum.
     pub(crate) error: f64,
     /// The product of spectra that it is multiplied by.
     pub(crate) spectrum: u32,
@@ -39,10 +56,11 @@ pub(crate) struct Arriving {
 /// Light at a surface whose way there depends on the wavelength.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Dispersed {
-    pub(super) hit: Hit,
+    hit: Hit,
     /// The direction in which the surface is looked at.
-    pub(super) direction: DVec3,
-    pub(super) path: Path,
+    direction: DVec3,
+    path: Path,
+    reach: Reach,
 }
 
 /// What a surface makes of light from a direction: a sum of two spectra, each times a BRDF in 1/sr.
@@ -89,19 +107,22 @@ impl<'s> Worker<'s> {
         self
     }
 
+    /// The standard errors of the pixel's light by way of mirrors and glass, by products of spectra; they are forgotten.
+    pub(crate) fn take_noise(&mut self) -> Radiance {
+        core::mem::take(&mut self.noise)
+    }
+
     /// Adds what a surface reflects of light that comes by way of mirrors and glass; what depends on the wavelength is deferred.
     pub(super) fn caustic(&mut self, hit: &Hit, direction: DVec3, path: Path, radiance: &mut Radiance) {
         let Some(caustics) = self.caustics else { return };
         self.arriving(hit, direction, path, None, radiance);
-        if !caustics.is_dispersed(hit) {
-            return;
-        }
-        if path.band.is_some() {
-            self.arriving(hit, direction, path, path.band, radiance);
+        let Some(reach) = caustics.reach(hit, &mut self.arriving.scratch) else { return };
+        if let Some(band) = path.band {
+            self.arriving(hit, direction, path, Some((band, reach)), radiance);
             return;
         }
         let number = u32::try_from(self.deferred.len()).unwrap_or(u32::MAX);
-        self.deferred.push(super::Later::Dispersed(Dispersed { hit: *hit, direction, path }));
+        self.deferred.push(super::Later::Dispersed(Dispersed { hit: *hit, direction, path, reach }));
         radiance.defer(Deferred(number), path.monomial, 1.0);
     }
 
@@ -109,19 +130,26 @@ impl<'s> Worker<'s> {
     pub(super) fn dispersed(&mut self, place: &Dispersed, band: Band) -> Radiance {
         let mut light = Radiance::default();
         let path = Path { monomial: Monomial::default(), ..place.path };
-        self.arriving(&place.hit, place.direction, path, Some(band), &mut light);
+        self.arriving(&place.hit, place.direction, path, Some((band, place.reach)), &mut light);
         light
     }
 
     /// Adds what a surface reflects of the light that reaches it for some waves.
-    fn arriving(&mut self, hit: &Hit, direction: DVec3, path: Path, band: Option<Band>, radiance: &mut Radiance) {
+    fn arriving(
+        &mut self,
+        hit: &Hit,
+        direction: DVec3,
+        path: Path,
+        band: Option<(Band, Reach)>,
+        radiance: &mut Radiance,
+    ) {
         let Some(caustics) = self.caustics else { return };
         let mut found = core::mem::take(&mut self.arriving);
-        found.clear();
-        caustics.arriving(hit, band, &mut found);
-        if let (false, Some(response)) = (found.is_empty(), self.response(hit, direction)) {
-            let noise = self.noise_share(band);
-            self.reflected(&found, &response, (path, noise), radiance);
+        found.list.clear();
+        let spectra = caustics.arriving(hit, band, &mut found);
+        if let (false, Some(response)) = (found.list.is_empty(), self.response(hit, direction)) {
+            let noise = self.noise_share(band.map(|(band, _)| band));
+            self.reflected((&found.list, &spectra), &response, (path, noise), radiance);
         }
         self.arriving = found;
     }
@@ -145,12 +173,11 @@ impl<'s> Worker<'s> {
 
     fn reflected(
         &mut self,
-        found: &[Arriving],
+        (found, spectra): (&[Arriving], &Spectra),
         response: &Response<'_>,
         (path, noise): (Path, f64),
         radiance: &mut Radiance,
     ) {
-        let Some(caustics) = self.caustics else { return };
         self.sums.clear();
         for Arriving { direction, irradiance, error, spectrum } in found {
             let shares = response.towards(*direction);
@@ -171,7 +198,7 @@ impl<'s> Worker<'s> {
                     continue;
                 }
                 let through = factor.map_or(path, |factor| self.times(path, factor));
-                let leaves = caustics.leaves(spectrum).iter();
+                let leaves = spectra.leaves(spectrum).iter();
                 let monomial = leaves.fold(through.monomial, |m, leaf| self.monomials.times_leaf(m, *leaf));
                 radiance.add(monomial, through.weight * sum);
                 self.noise.add(monomial, noise * through.weight * squares.sqrt());

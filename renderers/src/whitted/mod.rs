@@ -21,7 +21,7 @@ mod glossy;
 mod refraction;
 
 pub(crate) use build::camera;
-pub(crate) use caustic::{Arriving, Caustics};
+pub(crate) use caustic::{Arrived, Arriving, Caustics, Reach};
 
 use glam::DVec3;
 use spectral_core::brdf::Schlick;
@@ -168,7 +168,7 @@ pub struct Worker<'s> {
     caustics: Option<&'s dyn Caustics>,
     deferred: Vec<Later>,
     /// Light that was found at a place; its sums by products of spectra, and the squares of their standard errors.
-    arriving: Vec<Arriving>,
+    arriving: Arrived,
     sums: Vec<(u32, [f64; 2], [f64; 2])>,
     /// The standard errors of the pixel's light by way of mirrors and glass, and whether those of all waves have been counted.
     noise: Radiance,
@@ -218,7 +218,7 @@ impl<'s> Worker<'s> {
             order,
             caustics: None,
             deferred: Vec::new(),
-            arriving: Vec::new(),
+            arriving: Arrived::default(),
             sums: Vec::new(),
             noise: Radiance::default(),
             is_noise_counted: false,
@@ -272,6 +272,11 @@ impl<'s> Worker<'s> {
         self.is_noise_counted = false;
         self.points = points;
         self.samples = 0;
+    }
+
+    /// The next camera ray is the one with this number.
+    pub(crate) const fn skip_samples(&mut self, first: u32) {
+        self.samples = first;
     }
 
     /// Adds the radiance seen at a film position in pixels, times a weight: the next of the pixel's camera rays.

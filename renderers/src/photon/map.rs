@@ -1,0 +1,494 @@
+//! Photons on surfaces, ordered so that those near a point are found at once.
+
+use core::ops::Range;
+
+use rayon::prelude::*;
+
+use super::Photon;
+
+/// Photons in a leaf: a few vector registers for each coordinate.
+const LEAF: usize = 16;
+/// Trees of fewer photons are built by one thread.
+const PARALLEL: usize = 4096;
+/// Leaves are numbered by 32 bits, so a tree has fewer levels than this.
+const DEPTH: usize = 32;
+/// Coordinates beyond this are refused: the squares of distances stay finite.
+const LARGEST: f32 = 1e12;
+
+/// A photon near a point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Near {
+    /// The square of its distance, in square scene units.
+    pub(crate) distance2: f32,
+    /// Its index among [`PhotonMap::photons`].
+    pub(crate) photon: u32,
+}
+
+impl Near {
+    /// Orders by distance, then by index; distances are neither negative nor NaN.
+    const fn key(&self) -> u64 {
+        (self.distance2.to_bits() as u64) << 32 | self.photon as u64
+    }
+}
+
+/// The part of space in which photons count for a point: those with distance d ≤ `radius` whose offset h from the point's tangent plane
+/// is small, h² ≤ `thickness`² + (`slope` d)².
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Region {
+    /// The point, in scene units.
+    pub(crate) position: [f32; 3],
+    /// The unit normal of its tangent plane; zero if offsets don't matter.
+    pub(crate) normal: [f32; 3],
+    /// In scene units; may be infinite.
+    pub(crate) radius: f32,
+    /// Half the thickness of the slab about the plane, in scene units.
+    pub(crate) thickness: f32,
+    /// The sine of the angle to the plane up to which photons count outside the slab: the more, the more a surface may bend.
+    pub(crate) slope: f32,
+}
+
+impl Region {
+    /// All photons within a distance.
+    pub(crate) const fn ball(position: [f32; 3], radius: f32) -> Self {
+        Self { position, normal: [0.0; 3], radius, thickness: 0.0, slope: 0.0 }
+    }
+}
+
+/// Photons by surface, and on each surface as the leaves of a balanced k-d tree (Bentley 1975; Jensen 1996).
+///
+/// It depends on the photons and their order alone, not on the number of threads. Photons whose position or flux is not a number, infinite
+/// or (the coordinates) beyond 10¹² are left out.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct PhotonMap {
+    photons: Vec<Photon>,
+    origins: Vec<u32>,
+    leaves: Vec<Leaf>,
+    /// The node that parts two leaves has the index of the second.
+    nodes: Vec<Node>,
+    trees: Vec<Tree>,
+}
+
+/// Coordinates of consecutive photons, by axis; infinite beyond the last photon of a tree.
+type Leaf = [[f32; LEAF]; 3];
+
+/// Photons with `axis` coordinates at most `split` are on its left, at least `split` on its right.
+#[derive(Clone, Copy, Debug, Default)]
+struct Node {
+    split: f32,
+    axis: u32,
+}
+
+/// The photons of one surface.
+#[derive(Clone, Debug)]
+struct Tree {
+    surface: u32,
+    photons: Range<usize>,
+    leaves: Range<usize>,
+    low: [f32; 3],
+    high: [f32; 3],
+}
+
+/// A photon while the tree is built.
+#[derive(Clone, Copy, Debug)]
+struct Item {
+    position: [f32; 3],
+    /// Its index in the list given.
+    origin: u32,
+}
+
+impl PhotonMap {
+    /// The map of some photons, of which there must be fewer than 2³²; the rest is left out.
+    pub(crate) fn new(photons: Vec<Photon>) -> Self {
+        let mut items = items(&photons);
+        let trees = trees(&photons, &items);
+        let count = trees.last().map_or(0, |tree| tree.leaves.end);
+        let mut map =
+            Self { leaves: vec![[[0.0; LEAF]; 3]; count], nodes: vec![Node::default(); count], ..Self::default() };
+        map.trees = build_all(trees, &mut items, &mut map.leaves, &mut map.nodes);
+        map.origins = items.iter().map(|item| item.origin).collect();
+        map.photons = map.origins.par_iter().with_min_len(PARALLEL).map(|origin| photons[*origin as usize]).collect();
+        map
+    }
+
+    /// How many photons there are.
+    pub(crate) fn len(&self) -> usize {
+        self.photons.len()
+    }
+
+    /// Whether there are none.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.photons.is_empty()
+    }
+
+    /// The photons in the map's order: by surface, and near ones by each other.
+    pub(crate) fn photons(&self) -> &[Photon] {
+        &self.photons
+    }
+
+    /// For each photon its index in the list that the map was made of.
+    pub(crate) fn origins(&self) -> &[u32] {
+        &self.origins
+    }
+
+    /// The memory taken, in bytes.
+    pub(crate) fn bytes(&self) -> usize {
+        size_of_val(self.photons.as_slice())
+            + size_of_val(self.origins.as_slice())
+            + size_of_val(self.leaves.as_slice())
+            + size_of_val(self.nodes.as_slice())
+            + size_of_val(self.trees.as_slice())
+    }
+
+    /// Fills `found` with the `count` nearest photons of a surface within a region, from the nearest to the farthest; of those at the same
+    /// distance the first in the map's order come first and are taken first. Nothing is found about a point that is not a number.
+    pub(crate) fn nearest(&self, surface: u32, region: &Region, count: usize, found: &mut Vec<Near>) {
+        found.clear();
+        let Ok(tree) = self.trees.binary_search_by_key(&surface, |tree| tree.surface) else { return };
+        let limit = (region.radius * region.radius).clamp(0.0, f32::MAX);
+        if count > 0 && limit >= 0.0 {
+            Search { map: self, region, count, limit, found }.run(&self.trees[tree]);
+            Search::shorten(found, count);
+            found.sort_unstable_by_key(Near::key);
+        }
+    }
+}
+
+/// A query under way.
+struct Search<'a> {
+    map: &'a PhotonMap,
+    region: &'a Region,
+    count: usize,
+    /// Photons beyond this square of a distance don't count.
+    limit: f32,
+    found: &'a mut Vec<Near>,
+}
+
+/// Leaves of a tree with the vector from the query's point to the box that holds them, or to a larger one.
+#[derive(Clone, Copy, Debug, Default)]
+struct Branch {
+    first: usize,
+    end: usize,
+    offset: [f32; 3],
+}
+
+impl Search<'_> {
+    fn run(&mut self, tree: &Tree) {
+        let p = self.region.position;
+        let offset = core::array::from_fn(|i| (tree.low[i] - p[i]).max(p[i] - tree.high[i]).max(0.0));
+        let mut branch = Branch { first: tree.leaves.start, end: tree.leaves.end, offset };
+        let mut waiting = [Branch::default(); DEPTH];
+        let mut depth = 0;
+        if !(square(offset) <= self.limit) {
+            return;
+        }
+        loop {
+            while branch.end - branch.first > 1 {
+                let middle = usize::midpoint(branch.first, branch.end);
+                let node = self.map.nodes[middle];
+                let axis = node.axis as usize;
+                let beyond = p[axis] - node.split;
+                let mut far = branch;
+                far.offset[axis] = beyond;
+                if beyond < 0.0 {
+                    (branch.end, far.first) = (middle, middle);
+                } else {
+                    (branch.first, far.end) = (middle, middle);
+                }
+                if square(far.offset) <= self.limit {
+                    waiting[depth] = far;
+                    depth += 1;
+                }
+            }
+            self.scan(tree, branch.first);
+            loop {
+                if depth == 0 {
+                    return;
+                }
+                depth -= 1;
+                branch = waiting[depth];
+                if square(branch.offset) <= self.limit {
+                    break;
+                }
+            }
+        }
+    }
+
+    /// Adds the photons of a leaf that count.
+    fn scan(&mut self, tree: &Tree, leaf: usize) {
+        let Region { position: p, normal: n, thickness, slope, .. } = *self.region;
+        let [x, y, z] = &self.map.leaves[leaf];
+        let mut distances = [0.0; LEAF];
+        let mut mask = 0_u32;
+        for i in 0..LEAF {
+            let d = [x[i] - p[0], y[i] - p[1], z[i] - p[2]];
+            let distance2 = square(d);
+            let height = n[0] * d[0] + n[1] * d[1] + n[2] * d[2];
+            let counts =
+                (distance2 <= self.limit) & (height * height <= thickness * thickness + slope * slope * distance2);
+            distances[i] = distance2;
+            mask |= u32::from(counts) << i;
+        }
+        #[allow(clippy::cast_possible_truncation, reason = "photons are numbered by 32 bits")]
+        let first = (tree.photons.start + (leaf - tree.leaves.start) * LEAF) as u32;
+        while mask != 0 {
+            let i = mask.trailing_zeros();
+            self.found.push(Near { distance2: distances[i as usize], photon: first + i });
+            mask &= mask - 1;
+        }
+        if self.found.len() >= self.count.saturating_mul(2) {
+            self.limit = Self::shorten(self.found, self.count).unwrap_or(self.limit);
+        }
+    }
+
+    /// Keeps the `count` nearest photons if there are more; the square of the distance to the last of them.
+    fn shorten(found: &mut Vec<Near>, count: usize) -> Option<f32> {
+        if found.len() <= count {
+            return None;
+        }
+        let (_, last, _) = found.select_nth_unstable_by_key(count - 1, Near::key);
+        let limit = last.distance2;
+        found.truncate(count);
+        Some(limit)
+    }
+}
+
+/// Summed in this order everywhere: no rounding makes a box farther than what it holds.
+fn square(d: [f32; 3]) -> f32 {
+    d[0] * d[0] + d[1] * d[1] + d[2] * d[2]
+}
+
+/// The photons that are kept, by surface, each surface's in the order given.
+fn items(photons: &[Photon]) -> Vec<Item> {
+    let is_kept = |photon: &Photon| photon.flux.is_finite() && photon.position.iter().all(|x| x.abs() <= LARGEST);
+    let kept = photons.iter().zip(0..u32::MAX).filter(|(photon, _)| is_kept(photon));
+    let mut items: Vec<_> = kept.map(|(photon, origin)| Item { position: photon.position, origin }).collect();
+    if !photons.is_sorted_by_key(|photon| photon.surface) {
+        items.sort_by_key(|item| photons[item.origin as usize].surface);
+    }
+    items
+}
+
+/// The trees for photons that are in the order of surfaces.
+fn trees(photons: &[Photon], items: &[Item]) -> Vec<Tree> {
+    let surface = |item: &Item| photons[item.origin as usize].surface;
+    let mut trees: Vec<Tree> = Vec::new();
+    let mut end = 0;
+    for chunk in items.chunk_by(|a, b| surface(a) == surface(b)) {
+        let first = trees.last().map_or(0, |tree| tree.leaves.end);
+        trees.push(Tree {
+            surface: surface(&chunk[0]),
+            photons: end..end + chunk.len(),
+            leaves: first..first + chunk.len().div_ceil(LEAF),
+            low: [0.0; 3],
+            high: [0.0; 3],
+        });
+        end += chunk.len();
+    }
+    trees
+}
+
+/// Orders the items of all trees and fills their leaves and nodes.
+fn build_all(trees: Vec<Tree>, items: &mut [Item], leaves: &mut [Leaf], nodes: &mut [Node]) -> Vec<Tree> {
+    let (mut items, mut leaves, mut nodes) = (items, leaves, nodes);
+    let mut parts = Vec::with_capacity(trees.len());
+    for tree in trees {
+        let part = Part {
+            items: items.split_off_mut(..tree.photons.len()).unwrap_or_default(),
+            leaves: leaves.split_off_mut(..tree.leaves.len()).unwrap_or_default(),
+            nodes: nodes.split_off_mut(..tree.leaves.len()).unwrap_or_default(),
+        };
+        parts.push((tree, part));
+    }
+    let build = |(mut tree, part): (Tree, Part)| {
+        [tree.low, tree.high] = bounds(part.items);
+        part.build();
+        tree
+    };
+    parts.into_par_iter().map(build).collect()
+}
+
+/// Some leaves of a tree being built, with the items that go there.
+struct Part<'a> {
+    items: &'a mut [Item],
+    leaves: &'a mut [Leaf],
+    nodes: &'a mut [Node],
+}
+
+impl Part<'_> {
+    fn build(self) {
+        let Self { items, leaves, nodes } = self;
+        if let [leaf] = leaves {
+            items.sort_unstable_by_key(|item| item.origin);
+            let coordinate = |i: usize, axis: usize| items.get(i).map_or(f32::INFINITY, |item| item.position[axis]);
+            *leaf = core::array::from_fn(|axis| core::array::from_fn(|i| coordinate(i, axis)));
+            return;
+        }
+        let axis = widest(bounds(items));
+        let middle = leaves.len() / 2;
+        let (_, pivot, _) = items.select_nth_unstable_by_key(middle * LEAF, |item| order(item, axis));
+        #[allow(clippy::cast_possible_truncation, reason = "0, 1 or 2")]
+        let node = Node { split: pivot.position[axis], axis: axis as u32 };
+        nodes[middle] = node;
+        let is_large = items.len() > PARALLEL;
+        let (items, right_items) = items.split_at_mut(middle * LEAF);
+        let (leaves, right_leaves) = leaves.split_at_mut(middle);
+        let (nodes, right_nodes) = nodes.split_at_mut(middle);
+        let left = Part { items, leaves, nodes };
+        let right = Part { items: right_items, leaves: right_leaves, nodes: right_nodes };
+        if is_large {
+            rayon::join(|| left.build(), || right.build());
+        } else {
+            left.build();
+            right.build();
+        }
+    }
+}
+
+/// Orders by a coordinate, then as the photons were given.
+fn order(item: &Item, axis: usize) -> u64 {
+    let bits = item.position[axis].to_bits();
+    // Negative numbers have their bits turned, so that all are in order.
+    let ordered = if bits >> 31 == 1 { !bits } else { bits | 1 << 31 };
+    u64::from(ordered) << 32 | u64::from(item.origin)
+}
+
+fn bounds(items: &[Item]) -> [[f32; 3]; 2] {
+    let mut low = [f32::INFINITY; 3];
+    let mut high = [f32::NEG_INFINITY; 3];
+    for item in items {
+        for axis in 0..3 {
+            low[axis] = low[axis].min(item.position[axis]);
+            high[axis] = high[axis].max(item.position[axis]);
+        }
+    }
+    [low, high]
+}
+
+fn widest([low, high]: [[f32; 3]; 2]) -> usize {
+    let extent = |axis: usize| high[axis] - low[axis];
+    let other = if extent(1) > extent(0) { 1 } else { 0 };
+    if extent(2) > extent(other) { 2 } else { other }
+}
+
+#[cfg(test)]
+mod tests {
+    use rayon::ThreadPoolBuilder;
+
+    use super::{Near, PhotonMap, Region, square};
+    use crate::photon::Photon;
+    use crate::photon::random::Random;
+
+    fn photon(position: [f32; 3], surface: u32) -> Photon {
+        Photon { position, direction: [0.0, 0.0, 1.0], flux: 1.0, spectrum: 0, surface }
+    }
+
+    /// Photons on a few surfaces of very different numbers; `steps` puts them on a grid, where many distances are equal.
+    fn photons(count: usize, steps: Option<f32>, seed: u64) -> Vec<Photon> {
+        let mut random = Random::new(seed);
+        let mut coordinate = || {
+            let x = random.next() * 2.0 - 1.0;
+            steps.map_or(x, |steps| (x * steps).round() / steps)
+        };
+        let position = |flat: bool| [coordinate(), coordinate(), if flat { 0.0 } else { coordinate() }];
+        let positions: Vec<_> = (0..count).map(|i| i % 3 == 0).map(position).collect();
+        positions.into_iter().zip([5, 5, 2, 5, 5, 900, 5].into_iter().cycle()).map(|(p, s)| photon(p, s)).collect()
+    }
+
+    fn naive(map: &PhotonMap, surface: u32, region: &Region, count: usize) -> Vec<Near> {
+        let mut found = Vec::new();
+        for (photon, number) in map.photons().iter().zip(0..) {
+            let d = [0, 1, 2].map(|i| photon.position[i] - region.position[i]);
+            let n = region.normal;
+            let height = n[0] * d[0] + n[1] * d[1] + n[2] * d[2];
+            let distance2 = square(d);
+            let slab = region.thickness * region.thickness + region.slope * region.slope * distance2;
+            if photon.surface == surface && distance2 <= region.radius * region.radius && height * height <= slab {
+                found.push(Near { distance2, photon: number });
+            }
+        }
+        found.sort_by_key(Near::key);
+        found.truncate(count);
+        found
+    }
+
+    #[test]
+    fn nearest_are_those_of_a_search_of_all() {
+        let mut found = Vec::new();
+        for (count, steps) in [(1, None), (16, None), (17, None), (300, Some(4.0)), (5000, None), (5000, Some(12.0))] {
+            let map = PhotonMap::new(photons(count, steps, 1));
+            assert_eq!(map.len(), count);
+            let places = photons(60, steps, 2);
+            for (i, place) in places.iter().enumerate() {
+                let slab = Region {
+                    normal: [0.6, 0.0, 0.8],
+                    thickness: 0.05,
+                    slope: 0.2,
+                    ..Region::ball(place.position, 0.7)
+                };
+                for region in [slab, Region::ball(place.position, 0.3), Region::ball(place.position, f32::INFINITY)] {
+                    for (surface, many) in [(5, 50), (2, 1), (900, 7), (5, usize::MAX), (4, 3), (5, 0)] {
+                        map.nearest(surface, &region, many, &mut found);
+                        assert_eq!(
+                            found,
+                            naive(&map, surface, &region, many),
+                            "{count} {i} {surface} {many} {region:?}"
+                        );
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_map_is_the_same_on_any_number_of_threads() -> Result<(), rayon::ThreadPoolBuildError> {
+        let input = photons(60_000, Some(50.0), 3);
+        let build = |threads| {
+            let pool = ThreadPoolBuilder::new().num_threads(threads).build()?;
+            Ok(pool.install(|| PhotonMap::new(input.clone())))
+        };
+        let (one, four) = (build(1)?, build(4)?);
+        assert_eq!(one.photons(), four.photons());
+        assert_eq!(one.origins(), four.origins());
+        assert_eq!(one.leaves, four.leaves);
+        for (photon, origin) in one.photons().iter().zip(one.origins()) {
+            assert_eq!(*photon, input[*origin as usize]);
+        }
+        let mut origins = one.origins().to_vec();
+        origins.sort_unstable();
+        assert!(origins.into_iter().eq(0..60_000));
+        assert!(one.bytes() >= 60_000 * (size_of::<Photon>() + 12));
+        Ok(())
+    }
+
+    #[test]
+    fn numbers_that_are_none_are_left_out() {
+        let bad = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, 1e13];
+        let mut input: Vec<_> = bad.iter().map(|x| photon([0.0, *x, 0.0], 1)).collect();
+        input.push(Photon { flux: f32::NAN, ..photon([0.0; 3], 1) });
+        input.push(photon([1.0, 2.0, 3.0], 1));
+        let map = PhotonMap::new(input);
+        assert_eq!((map.len(), map.origins()), (1, &[5][..]));
+        let mut found = vec![Near { distance2: 0.0, photon: 0 }];
+        map.nearest(1, &Region::ball([f32::NAN, 0.0, 0.0], 10.0), 5, &mut found);
+        assert!(found.is_empty());
+        map.nearest(1, &Region::ball([1.0, 2.0, 2.0], f32::NAN), 5, &mut found);
+        assert!(found.is_empty());
+        assert!(PhotonMap::new(Vec::new()).is_empty());
+        PhotonMap::new(Vec::new()).nearest(0, &Region::ball([0.0; 3], 1.0), 5, &mut found);
+        assert!(found.is_empty());
+    }
+
+    #[test]
+    fn sizes_make_no_difference() {
+        let mut found = Vec::new();
+        for scale in [1e-42, 1e-30, 1e-10, 1.0, 1e12] {
+            let mut input = photons(2000, None, 7);
+            input.iter_mut().for_each(|photon| photon.position = photon.position.map(|x| x * scale));
+            let map = PhotonMap::new(input);
+            let region = Region::ball(map.photons()[100].position, scale);
+            map.nearest(5, &region, 20, &mut found);
+            assert_eq!(found, naive(&map, 5, &region, 20), "{scale}");
+            assert_eq!(found.len(), 20);
+        }
+    }
+}

@@ -1,0 +1,405 @@
+//! The photon maps of a scene: one for light that all waves share, and one for each bundle of waves that is asked for.
+
+use core::sync::atomic::{AtomicBool, Ordering};
+use std::collections::HashMap;
+use std::sync::{Arc, Mutex, OnceLock};
+
+use super::curves::{self, Curves};
+use super::waves::{Bundle, Waves};
+use super::{
+    Account, Density, Emission, Emitted, Estimate, Extents, Photon, PhotonMap, Place, Prefix, Scattered, Spectra,
+    surface,
+};
+use crate::geometry::{Hit, Ray};
+use crate::scene::Scene;
+use crate::spectral::Band;
+use crate::whitted::{Arrived, Arriving, Caustics, Reach, Whitted};
+use spectral_core::interval::{FIRST_WAVELENGTH, LAST_WAVELENGTH};
+
+/// How photons that depend on the wavelength are thrown for a band.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Rethrow {
+    /// All are traced at a few wavelengths, the more the more they bend, and interpolated between these.
+    #[default]
+    Interpolated,
+    /// All are traced for every band, as Iehl and Péroche have it.
+    Traced,
+}
+
+/// The photons of one band, for reports.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BandReport {
+    /// From where to where it goes, in nm.
+    pub limits: [f64; 2],
+    /// How many photons its map has.
+    pub photons: usize,
+    /// Bytes of the map.
+    pub bytes: usize,
+}
+
+/// The photons of a scene.
+pub(crate) struct Maps<'s> {
+    scene: &'s Whitted,
+    extents: Extents,
+    emission: &'s Emission<'s>,
+    density: Density,
+    /// What radii are multiplied by: less than 1 where many passes are averaged.
+    shrink: f32,
+    waves: Waves,
+    even: Thrown,
+    prefixes: Vec<Prefix>,
+    curves: Option<Interpolated>,
+    /// The width of bands in nm below which photons need not be thrown again.
+    narrowest: f64,
+    bands: Bands,
+    /// How many photons met mirrors or glass.
+    sent: u64,
+    account: Account,
+}
+
+/// Photons to be found, and the products of spectra that they refer to.
+#[derive(Debug)]
+struct Thrown {
+    map: PhotonMap,
+    spectra: Arc<Spectra>,
+    /// What a flux is worth, for each product.
+    brightness: Vec<f32>,
+}
+
+impl Thrown {
+    fn new(photons: Vec<Photon>, spectra: Arc<Spectra>, emission: &Emission<'_>) -> Self {
+        let brightness = emission.brightness(&spectra);
+        Self { map: PhotonMap::new(photons), spectra, brightness }
+    }
+
+    /// The luminous flux of a photon.
+    fn worth(&self, photon: &Photon) -> f32 {
+        photon.flux * self.brightness.get(photon.spectrum as usize).copied().unwrap_or(1.0)
+    }
+}
+
+/// Photons between the wavelengths at which they were thrown.
+#[derive(Debug)]
+struct Interpolated {
+    keys: Vec<f64>,
+    curves: Curves,
+    spectra: Arc<Spectra>,
+}
+
+/// All waves, for which stands the helium d line.
+pub(crate) const WHOLE: Band =
+    Band { wavelength: crate::spectral::MEAN_WAVELENGTH, limits: [FIRST_WAVELENGTH, LAST_WAVELENGTH] };
+
+/// Paths by which it is found at how many wavelengths they are thrown.
+const TRIED: usize = 4096;
+
+/// Of how many photons' places errors are taken.
+const PLACES: usize = 1024;
+
+/// The last part of a photon's way that is traced again to find what it met, relative to the scene's diagonal.
+const SHORT: f32 = 1e-4;
+
+/// Wavelengths in nm between which glass is as dispersive as anywhere in the visible.
+const MOST_DISPERSIVE: [f64; 2] = [390.0, 410.0];
+
+/// How far, relative to the radius of an estimate, photons may be from where they are thought to be.
+const NEAR: f32 = 0.1;
+
+impl<'s> Maps<'s> {
+    /// Makes the maps that are certain to be asked for, of photons that were emitted.
+    pub(crate) fn new(
+        (data, scene): (&Scene, &'s Whitted),
+        emission: &'s Emission<'s>,
+        emitted: Emitted,
+        (density, shrink): (Density, f32),
+        (bundle, rethrow): (Bundle, Rethrow),
+    ) -> Self {
+        let Emitted { photons, prefixes, spectra, account } = emitted;
+        let mut maps = Self {
+            scene,
+            extents: Extents::new(data.shapes.iter().map(|shape| &shape.geometry)),
+            density,
+            shrink,
+            waves: Waves::new(bundle),
+            even: Thrown::new(photons, Arc::new(spectra), emission),
+            prefixes,
+            curves: None,
+            narrowest: 0.0,
+            bands: Bands::default(),
+            sent: account.sent,
+            account,
+            emission,
+        };
+        if !maps.prefixes.is_empty() {
+            let near = NEAR * maps.usual_radius();
+            maps.narrowest = maps.narrowest(near);
+            if rethrow == Rethrow::Interpolated {
+                maps.curves = Some(maps.interpolated(near));
+            }
+            maps.bands.get(WHOLE).thrown(|band| maps.throw(band));
+        }
+        maps
+    }
+
+    /// Some of the paths, thrown at a wavelength.
+    fn tried(&self, wavelength: f64) -> Vec<Scattered> {
+        let stride = self.prefixes.len().div_ceil(TRIED).max(1);
+        let some: Vec<Prefix> = self.prefixes.iter().step_by(stride).copied().collect();
+        sorted(self.emission.throw(&some, |_| wavelength, &mut (*self.even.spectra).clone()).photons)
+    }
+
+    /// The width in nm of the band within which nine of ten photons move less than a distance: where glass is the most dispersive.
+    fn narrowest(&self, near: f32) -> f64 {
+        let [first, last] = MOST_DISPERSIVE;
+        let shift = f64::from(curves::shift(&self.tried(first), &self.tried(last)));
+        let width = f64::from(near) * (last - first) / shift;
+        if width.is_finite() {
+            width.min(LAST_WAVELENGTH - FIRST_WAVELENGTH)
+        } else {
+            LAST_WAVELENGTH - FIRST_WAVELENGTH
+        }
+    }
+
+    /// The band itself, or the half, quarter, … of all waves that it is in, if it is so narrow that photons of one map will do for these.
+    fn widened(&self, band: Band) -> Band {
+        let whole = LAST_WAVELENGTH - FIRST_WAVELENGTH;
+        let [from, to] = band.limits;
+        if to == from || to - from >= self.narrowest {
+            return band;
+        }
+        let width = whole / (whole / self.narrowest).log2().floor().max(0.0).exp2();
+        let wavelength = f64::midpoint(from, to);
+        let first = FIRST_WAVELENGTH + width * ((wavelength - FIRST_WAVELENGTH) / width).floor();
+        Band { wavelength: f64::midpoint(first, first + width), limits: [first, first + width] }
+    }
+
+    /// Throws all paths at as many wavelengths as it takes for interpolation.
+    fn interpolated(&self, near: f32) -> Interpolated {
+        let mut spectra = (*self.even.spectra).clone();
+        let keys = curves::keys([FIRST_WAVELENGTH, LAST_WAVELENGTH], near, &|wavelength| self.tried(wavelength));
+        let mut thrown = |wavelength: &f64| {
+            let photons = self.emission.throw(&self.prefixes, |_| *wavelength, &mut spectra).photons;
+            (*wavelength, sorted(photons))
+        };
+        let curves = Curves::new(&keys.iter().map(&mut thrown).collect::<Vec<_>>());
+        Interpolated { keys, curves, spectra: Arc::new(spectra) }
+    }
+
+    /// About the radius of an estimate where there are photons.
+    fn usual_radius(&self) -> f32 {
+        let mut spectra = (*self.even.spectra).clone();
+        let thrown = self.emission.throw(&self.prefixes, |_| WHOLE.wavelength, &mut spectra);
+        let map = PhotonMap::new(thrown.photons.into_iter().map(|s| s.photon).collect());
+        self.density.usual_radius(&map)
+    }
+
+    /// The photons of a band.
+    fn throw(&self, band: Band) -> Thrown {
+        let wavelength_of = |path: u32| self.waves.of_path(band, path);
+        if let Some(Interpolated { curves, spectra, .. }) = &self.curves {
+            let photons = curves.photons(band.limits, wavelength_of);
+            return Thrown::new(photons, Arc::clone(spectra), self.emission);
+        }
+        let mut spectra = (*self.even.spectra).clone();
+        #[allow(clippy::cast_possible_truncation, reason = "paths have numbers of 32 bits")]
+        let thrown = self.emission.throw(&self.prefixes, |path| wavelength_of(path as u32), &mut spectra);
+        let photons: Vec<Photon> = thrown.photons.into_iter().map(|s| s.photon).collect();
+        Thrown::new(photons, Arc::new(spectra), self.emission)
+    }
+
+    /// What there is about a hit.
+    fn place(&self, hit: &Hit) -> Place<'_> {
+        let side = if hit.front { 1.0 } else { -1.0 };
+        let first = self.scene.world().primitives(hit.shape as usize).start;
+        Place {
+            position: hit.position.to_array(),
+            normal: (hit.geometric_normal * side).to_array(),
+            surface: surface(hit.shape, hit.front),
+            face: self.extents.face(hit.shape, hit.primitive.wrapping_sub(first)),
+        }
+    }
+
+    /// Estimates the light of a place, and chooses the reach by that.
+    fn reach_in(&self, thrown: &Thrown, place: &Place<'_>, scratch: &mut Estimate) -> Option<Reach> {
+        self.density.estimate(&thrown.map, place, |photon| thrown.worth(photon), scratch);
+        let bias = if scratch.value > 0.0 { scratch.bias / scratch.value } else { 0.0 };
+        let shrink = self.shrink;
+        let reach = Reach { radius: scratch.radius * shrink, bias: bias * f64::from(shrink * shrink) };
+        (reach.radius > 0.0).then_some(reach)
+    }
+
+    /// Finds the light that reaches a hit, within a reach if there is one.
+    fn find(&self, thrown: &Thrown, hit: &Hit, reach: Option<Reach>, found: &mut Arrived) -> Arc<Spectra> {
+        let Thrown { map, spectra, .. } = thrown;
+        let (place, scratch, worth) = (self.place(hit), &mut found.scratch, |photon: &Photon| thrown.worth(photon));
+        match reach {
+            None => {
+                let Some(Reach { radius, bias }) = self.reach_in(thrown, &place, scratch) else {
+                    return Arc::clone(spectra);
+                };
+                if self.shrink < 1.0 {
+                    self.density.estimate_within(map, &place, radius, worth, scratch);
+                    scratch.bias = bias * scratch.value;
+                }
+            }
+            Some(Reach { radius, bias }) => {
+                self.density.estimate_within(map, &place, radius, worth, scratch);
+                scratch.bias = bias * scratch.value;
+            }
+        }
+        let (photons, error) = (map.photons(), found.scratch.error_of_a_photon());
+        for (number, weight) in found.scratch.photons() {
+            let Some(photon) = photons.get(number as usize) else { continue };
+            let irradiance = f64::from(weight) * f64::from(photon.flux);
+            found.list.push(Arriving {
+                direction: glam::Vec3A::from_array(photon.direction).as_dvec3(),
+                irradiance,
+                error: error * irradiance,
+                spectrum: photon.spectrum,
+            });
+        }
+        Arc::clone(spectra)
+    }
+
+    /// The relative error of estimates, the bias that shows included: the root of its mean square at some places where photons landed.
+    pub(crate) fn error(&self) -> f64 {
+        let mut estimate = Estimate::default();
+        let (mut squares, mut places) = (0.0, 0.0);
+        let whole = (!self.prefixes.is_empty()).then(|| self.bands.get(WHOLE));
+        let thrown = whole.iter().map(|slot| slot.thrown(|band| self.throw(band)));
+        for thrown in core::iter::once(&self.even).chain(thrown) {
+            let map = &thrown.map;
+            let stride = map.len().div_ceil(PLACES).max(1);
+            for photon in map.photons().iter().step_by(stride) {
+                let Some(hit) = self.hit(photon) else { continue };
+                self.density.estimate(map, &self.place(&hit), |photon| thrown.worth(photon), &mut estimate);
+                if estimate.value > 0.0 {
+                    let error = estimate.standard_error.hypot(estimate.bias) / estimate.value;
+                    squares += error * error;
+                    places += 1.0;
+                }
+            }
+        }
+        if places > 0.0 { (squares / places).sqrt() } else { 0.0 }
+    }
+
+    /// The hit of the ray that brought a photon.
+    fn hit(&self, photon: &Photon) -> Option<Hit> {
+        let world = self.scene.world();
+        let [low, high] = world.bounds();
+        let direction = glam::Vec3A::from_array(photon.direction);
+        let origin = glam::Vec3A::from_array(photon.position) + direction * (SHORT * (high - low).length());
+        let hit = world.closest_hit(&Ray::new(origin, -direction))?;
+        (surface(hit.shape, hit.front) == photon.surface).then_some(hit)
+    }
+
+    /// The maps of bands that were made, wider ones first.
+    pub(crate) fn bands(&self) -> Vec<BandReport> {
+        self.bands.used()
+    }
+
+    /// The wavelengths in nm between which photons are interpolated.
+    pub(crate) fn keys(&self) -> &[f64] {
+        self.curves.as_ref().map_or(&[], |curves| &curves.keys)
+    }
+
+    /// Photons that met mirrors or glass; those kept whose way was the same for all waves; paths that depend on the wavelength.
+    pub(crate) fn counts(&self) -> (u64, usize, usize) {
+        (self.sent, self.even.map.len(), self.prefixes.len())
+    }
+
+    /// What became of the light.
+    pub(crate) const fn account(&self) -> &Account {
+        &self.account
+    }
+
+    /// Bytes of all photons and paths.
+    pub(crate) fn bytes(&self) -> usize {
+        let bands: usize = self.bands().iter().map(|band| band.bytes).sum();
+        let curves = self.curves.as_ref().map_or(0, |i| i.curves.bytes());
+        self.even.map.bytes() + self.prefixes.capacity() * size_of::<Prefix>() + bands + curves
+    }
+}
+
+/// Photons in the order of their paths and branches.
+fn sorted(mut photons: Vec<Scattered>) -> Vec<Scattered> {
+    photons.sort_by_key(|s| (s.path, s.branch));
+    photons
+}
+
+impl Caustics for Maps<'_> {
+    fn arriving(&self, hit: &Hit, band: Option<(Band, Reach)>, found: &mut Arrived) -> Arc<Spectra> {
+        let Some((band, reach)) = band else { return self.find(&self.even, hit, None, found) };
+        let slot = self.bands.get(self.widened(band));
+        self.find(slot.thrown(|band| self.throw(band)), hit, Some(reach), found)
+    }
+
+    /// The radius is that for all waves, so that estimates for bands of them differ by nothing else.
+    fn reach(&self, hit: &Hit, scratch: &mut Estimate) -> Option<Reach> {
+        if self.prefixes.is_empty() {
+            return None;
+        }
+        let slot = self.bands.get(WHOLE);
+        let thrown = slot.thrown(|band| self.throw(band));
+        self.reach_in(thrown, &self.place(hit), scratch)
+    }
+}
+
+/// The maps of bands of wavelengths, each made when it is first asked for.
+#[derive(Debug, Default)]
+struct Bands {
+    slots: Mutex<HashMap<[u64; 2], Arc<Slot>>>,
+}
+
+/// A map that is made once.
+#[derive(Debug)]
+struct Slot {
+    band: Band,
+    begun: AtomicBool,
+    thrown: OnceLock<Thrown>,
+}
+
+impl Bands {
+    fn get(&self, band: Band) -> Arc<Slot> {
+        let key = band.limits.map(f64::to_bits);
+        let new = || Arc::new(Slot { band, begun: AtomicBool::new(false), thrown: OnceLock::new() });
+        match self.slots.lock() {
+            Ok(mut slots) => Arc::clone(slots.entry(key).or_insert_with(new)),
+            // Only a thread that panics with the lock in its hands could poison it.
+            Err(_) => new(),
+        }
+    }
+
+    fn used(&self) -> Vec<BandReport> {
+        let Ok(slots) = self.slots.lock() else { return Vec::new() };
+        let made = |slot: &Arc<Slot>| {
+            let map = &slot.thrown.get()?.map;
+            Some(BandReport { limits: slot.band.limits, photons: map.len(), bytes: map.bytes() })
+        };
+        let mut used: Vec<_> = slots.values().filter_map(made).collect();
+        let width = |band: &BandReport| band.limits[1] - band.limits[0];
+        used.sort_by(|a, b| width(b).total_cmp(&width(a)).then(a.limits[0].total_cmp(&b.limits[0])));
+        used
+    }
+}
+
+impl Slot {
+    /// The photons, thrown by whoever asks first; all others help.
+    fn thrown(&self, throw: impl FnOnce(Band) -> Thrown) -> &Thrown {
+        if let Some(thrown) = self.thrown.get() {
+            return thrown;
+        }
+        if !self.begun.swap(true, Ordering::AcqRel) {
+            return self.thrown.get_or_init(|| throw(self.band));
+        }
+        loop {
+            if let Some(thrown) = self.thrown.get() {
+                return thrown;
+            }
+            // Another thread is at it: this one takes some of its work, if it is of the same pool.
+            if rayon::yield_now() != Some(rayon::Yield::Executed) {
+                std::thread::yield_now();
+            }
+        }
+    }
+}

@@ -1,0 +1,479 @@
+//! Photons on their way through mirrors and glass: paths that part are both followed, as long as each of them counts for enough.
+
+use glam::{DVec3, Vec3A};
+use spectral_core::brdf::Schlick;
+use spectral_core::dispersion::LINE_D;
+use spectral_core::fresnel;
+
+use super::account::Account;
+use super::points::{Points, Purpose};
+use super::products::Products;
+use super::{Photon, Scattered, surface};
+use crate::direct::single;
+use crate::geometry::{Hit, NO_PRIMITIVE, Ray};
+use crate::material::{Dielectric, Material, mirror_factors};
+use crate::spectral::Factor;
+use crate::whitted::{boundary, mirror_ray, receiver};
+
+/// Where the likelihood to go on that is the same at all wavelengths is less than this part of what a path's weight asks for, the path's
+/// own counts.
+const MOST_EXCESS: f64 = 2.0;
+
+/// A branch with this bit set is a hash: it took more decisions than there are bits.
+const HASHED: u32 = 1 << 31;
+
+/// The branch of a photon that has met nothing yet.
+pub(super) const ROOT: u32 = 1;
+
+/// How paths are followed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Limits {
+    /// The longest chain of reflections and refractions.
+    pub(crate) max_depth: u32,
+    /// Where a path parts, both ways are followed for certain while each has at least this share of the emitted photon's flux. What has
+    /// less goes on by chance (Russian roulette), with this share.
+    pub(crate) share: f64,
+}
+
+/// A path that waits at the first boundary where wavelengths part, the boundary included.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Prefix {
+    position: [f32; 3],
+    error: f32,
+    geometric_normal: [f32; 3],
+    shading_normal: [f32; 3],
+    primitive: u32,
+    shape: u32,
+    front: bool,
+    planar: bool,
+    depth: u16,
+    /// Where the path comes from: the unit vector along which it goes.
+    direction: [f32; 3],
+    /// The way through the interior of the shape whose absorption isn't counted yet, in scene units.
+    inside: f32,
+    /// The number of the shape in whose interior the path is, or [`NO_PRIMITIVE`].
+    interior: u32,
+    /// Flux for a spectrum of 1, as a photon's.
+    flux: f64,
+    /// Flux relative to the emitted photon's, spectra included, and that photon's flux in the unit of accounts.
+    weight: f32,
+    luminous: f32,
+    /// The product of spectra, by its number among [`Spectra`](super::Spectra).
+    pub(super) product: u32,
+    branch: u32,
+    points: Points,
+    index: u32,
+    /// The number of the path: its photons have the same one, whatever the wavelength.
+    pub(crate) path: u32,
+}
+
+impl Prefix {
+    /// Where the path meets the boundary, in scene units.
+    pub(crate) const fn position(&self) -> [f32; 3] {
+        self.position
+    }
+
+    /// Its flux for a spectrum of 1, in the unit of [`Photon::flux`].
+    pub(crate) const fn flux(&self) -> f64 {
+        self.flux
+    }
+
+    fn hit(&self) -> Hit {
+        Hit {
+            t: 0.0,
+            primitive: self.primitive,
+            shape: self.shape,
+            position: Vec3A::from_array(self.position),
+            error: self.error,
+            geometric_normal: Vec3A::from_array(self.geometric_normal),
+            shading_normal: Vec3A::from_array(self.shading_normal),
+            uv: [0.0; 2],
+            front: self.front,
+            planar: self.planar,
+        }
+    }
+}
+
+/// What is kept of a photon that met a surface.
+pub(super) trait Landing {
+    fn new(photon: Photon, path: u32, branch: u32) -> Self;
+    fn photon(&mut self) -> &mut Photon;
+}
+
+impl Landing for Photon {
+    fn new(photon: Photon, _: u32, _: u32) -> Self {
+        photon
+    }
+
+    fn photon(&mut self) -> &mut Photon {
+        self
+    }
+}
+
+impl Landing for Scattered {
+    fn new(photon: Photon, path: u32, branch: u32) -> Self {
+        Self { photon, path, branch }
+    }
+
+    fn photon(&mut self) -> &mut Photon {
+        &mut self.photon
+    }
+}
+
+/// A photon as it starts.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Start {
+    pub(super) points: Points,
+    pub(super) index: u32,
+    /// Its flux for a spectrum of 1, the light's scale included.
+    pub(super) flux: f64,
+    /// The same with the light's spectrum as a number: the unit of weights.
+    pub(super) luminous: f64,
+    /// The light's spectrum.
+    pub(super) product: u32,
+}
+
+/// Where a path is.
+#[derive(Clone, Copy, Debug)]
+struct State {
+    ray: Ray,
+    flux: f64,
+    /// Flux relative to the emitted photon's, each spectrum by its mean.
+    weight: f64,
+    /// The same as it would be at the d line: what decides where paths of all wavelengths should be the same.
+    guide: f64,
+    product: u32,
+    /// The way's length counts for absorption by the interior of this shape.
+    interior: Option<u32>,
+    /// How many reflections and refractions there were.
+    depth: u32,
+    branch: u32,
+}
+
+/// What a path's flux is multiplied by where it takes one of the ways on.
+#[derive(Clone, Copy, Debug, Default)]
+struct Share {
+    flux: f64,
+    weight: f64,
+    guide: f64,
+}
+
+/// What all paths need.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Surroundings<'s> {
+    pub(super) world: &'s crate::geometry::World,
+    /// One for each shape.
+    pub(super) materials: &'s [&'s Material],
+    /// The mean of each leaf of the palette.
+    pub(super) means: &'s [f64],
+    pub(super) limits: Limits,
+}
+
+impl<'s> Surroundings<'s> {
+    /// What the side of a shape that was hit does with light; `None` where it is black.
+    pub(super) fn material(&self, hit: &Hit) -> Option<&'s Material> {
+        self.materials.get(hit.shape as usize)?.side(hit.front)
+    }
+
+    /// The number that stands for a factor's leaf.
+    pub(super) fn mean(&self, factor: Factor) -> f64 {
+        factor.leaf.map_or(1.0, |leaf| self.means.get(leaf as usize).copied().unwrap_or(0.0))
+    }
+}
+
+/// Follows photons, one after the other, and keeps those that land, for one thread.
+#[derive(Debug)]
+pub(super) struct Walk<'s, L> {
+    around: Surroundings<'s>,
+    pub(super) products: Products,
+    pub(super) landed: Vec<L>,
+    pub(super) prefixes: Vec<Prefix>,
+    pub(super) account: Account,
+    /// Ways still to be followed.
+    ways: Vec<State>,
+    start: Start,
+    /// In nm, for paths that are thrown.
+    wavelength: Option<f64>,
+    path: u32,
+}
+
+impl<'s, L: Landing> Walk<'s, L> {
+    pub(super) fn new(around: Surroundings<'s>, products: Products) -> Self {
+        let start = Start { points: Points::new(0, 0, 0), index: 0, flux: 0.0, luminous: 0.0, product: 0 };
+        Self {
+            around,
+            products,
+            landed: Vec::new(),
+            prefixes: Vec::new(),
+            account: Account::default(),
+            ways: Vec::new(),
+            start,
+            wavelength: None,
+            path: 0,
+        }
+    }
+
+    /// Follows a photon from the mirror or glass that its ray from the light met.
+    pub(super) fn emitted(&mut self, start: Start, ray: Ray, hit: &Hit) {
+        self.start = start;
+        self.wavelength = None;
+        let direction = ray.direction.as_dvec3().normalize_or_zero();
+        let Start { flux, product, .. } = start;
+        let state = State { ray, flux, weight: 1.0, guide: 1.0, product, interior: None, depth: 0, branch: ROOT };
+        let material = self.around.material(hit);
+        self.account.sent += 1;
+        self.account.emitted += start.luminous * material.map_or(0.0, mirrored);
+        // A light within glass: the way to the boundary is through its interior.
+        let inside = if hit.front { 0.0 } else { way(&state, hit) };
+        self.meet(hit, direction, state, inside);
+        self.follow();
+    }
+
+    /// Follows a path from the boundary where it waits, at a wavelength in nm.
+    #[allow(clippy::cast_possible_truncation, reason = "paths are short and shares are f32")]
+    pub(super) fn throw(&mut self, prefix: &Prefix, wavelength: f64) {
+        let Prefix { points, index, flux, product, path, branch, .. } = *prefix;
+        self.start = Start { points, index, flux, luminous: f64::from(prefix.luminous), product };
+        self.wavelength = Some(wavelength);
+        self.path = path;
+        let hit = prefix.hit();
+        let weight = f64::from(prefix.weight);
+        let direction = Vec3A::from_array(prefix.direction);
+        let state = State {
+            ray: Ray::new(hit.position, direction),
+            flux,
+            weight,
+            guide: weight,
+            product,
+            interior: (prefix.interior != NO_PRIMITIVE).then_some(prefix.interior),
+            depth: u32::from(prefix.depth),
+            branch,
+        };
+        self.account.sent += 1;
+        self.account.emitted += weight * self.start.luminous;
+        self.meet(&hit, direction.as_dvec3().normalize_or_zero(), state, f64::from(prefix.inside));
+        self.follow();
+    }
+
+    fn follow(&mut self) {
+        while let Some(state) = self.ways.pop() {
+            self.account.rays += 1;
+            let Some(hit) = self.around.world.closest_hit(&state.ray) else {
+                self.account.lost += 1;
+                self.account.escaped += self.luminous(state.weight);
+                continue;
+            };
+            let direction = state.ray.direction.as_dvec3().normalize_or_zero();
+            let medium = state.interior.and_then(|shape| self.around.materials.get(shape as usize));
+            let state = match medium {
+                Some(Material::Dielectric(medium)) => self.absorbed(state, medium, way(&state, &hit)),
+                _ => state,
+            };
+            self.meet(&hit, direction, state, 0.0);
+        }
+    }
+
+    fn luminous(&self, weight: f64) -> f64 {
+        weight * self.start.luminous
+    }
+
+    /// The path after a way through a medium.
+    fn absorbed(&mut self, state: State, medium: &Dielectric, distance: f64) -> State {
+        let Some(evenly) = medium.absorbs_evenly() else { return state };
+        let remaining = medium.remaining(distance, self.wavelength.unwrap_or(LINE_D));
+        let at_d = if evenly { remaining } else { medium.remaining(distance, LINE_D) };
+        self.account.media += self.luminous(state.weight * (1.0 - remaining));
+        State { flux: state.flux * remaining, weight: state.weight * remaining, guide: state.guide * at_d, ..state }
+    }
+
+    /// A path where it meets a surface; `inside` is the length of its way through that surface's own interior that hasn't been counted.
+    fn meet(&mut self, hit: &Hit, direction: DVec3, state: State, inside: f64) {
+        let Some(material) = self.around.material(hit) else {
+            self.account.black += self.luminous(state.weight);
+            return;
+        };
+        match material {
+            Material::Diffuse(_) | Material::Ward(_) => self.keep(hit, direction, &state, 1.0),
+            Material::TwoSided(_) => self.account.black += self.luminous(state.weight),
+            Material::Mirror(factors) => {
+                let cosine = -direction.dot(receiver(hit).normal);
+                self.mirror(hit, direction, state, mirror_factors(factors, cosine));
+            }
+            Material::Schlick { reflectance, roughness, isotropy } => {
+                let specular = specular_part(*roughness, *isotropy);
+                if state.depth > 0 && specular < 1.0 {
+                    self.keep(hit, direction, &state, 1.0 - specular);
+                }
+                if specular > 0.0 {
+                    let factor = fresnel::schlick_factor(-direction.dot(receiver(hit).normal));
+                    let white = Factor { scale: 1.0, leaf: None };
+                    let part = State {
+                        flux: state.flux * specular,
+                        weight: state.weight * specular,
+                        guide: state.guide * specular,
+                        ..state
+                    };
+                    self.mirror(hit, direction, part, [(*reflectance, 1.0 - factor), (white, factor)]);
+                }
+            }
+            Material::Dielectric(dielectric) => {
+                if self.wavelength.is_none() && !dielectric.is_wavelength_free() {
+                    self.wait(hit, direction, &state, inside);
+                    return;
+                }
+                let state = self.absorbed(state, dielectric, inside);
+                self.part(hit, direction, state, dielectric);
+            }
+        }
+    }
+
+    /// Keeps a photon; `share` is the part of it that isn't mirrored further.
+    fn keep(&mut self, hit: &Hit, direction: DVec3, state: &State, share: f64) {
+        self.account.kept += 1;
+        self.account.deposited += self.luminous(state.weight * share);
+        #[allow(clippy::cast_possible_truncation, reason = "photons are f32")]
+        let photon = Photon {
+            position: hit.position.to_array(),
+            direction: single(-direction).to_array(),
+            flux: state.flux as f32,
+            spectrum: state.product,
+            surface: surface(hit.shape, hit.front),
+        };
+        self.landed.push(L::new(photon, self.path, state.branch));
+    }
+
+    /// Keeps a path for throwing.
+    fn wait(&mut self, hit: &Hit, direction: DVec3, state: &State, inside: f64) {
+        #[allow(clippy::cast_possible_truncation, reason = "what needs no more digits")]
+        let (weight, luminous, inside) = (state.weight as f32, self.start.luminous as f32, inside as f32);
+        self.account.waiting += self.luminous(state.weight);
+        self.prefixes.push(Prefix {
+            position: hit.position.to_array(),
+            error: hit.error,
+            geometric_normal: hit.geometric_normal.to_array(),
+            shading_normal: hit.shading_normal.to_array(),
+            primitive: hit.primitive,
+            shape: hit.shape,
+            front: hit.front,
+            planar: hit.planar,
+            depth: u16::try_from(state.depth).unwrap_or(u16::MAX),
+            direction: single(direction).to_array(),
+            inside,
+            interior: state.interior.unwrap_or(NO_PRIMITIVE),
+            flux: state.flux,
+            weight,
+            luminous,
+            product: state.product,
+            branch: state.branch,
+            points: self.start.points,
+            index: self.start.index,
+            path: u32::try_from(self.prefixes.len()).unwrap_or(u32::MAX),
+        });
+    }
+
+    /// Goes on from a mirror with one of two factors, chosen by their shares.
+    fn mirror(&mut self, hit: &Hit, direction: DVec3, state: State, factors: [(Factor, f64); 2]) {
+        let [first, second] = factors.map(|(factor, share)| factor.scale * share);
+        let total = first + second;
+        let takes_first = second == 0.0 || {
+            let Start { points, index, .. } = self.start;
+            points.decision(index, state.branch, Purpose::Factor) * total < first
+        };
+        let factor = factors[usize::from(!takes_first)].0;
+        let mean = total * self.around.mean(factor);
+        self.account.mirrors += self.luminous(state.weight * (1.0 - mean));
+        let share = Share { flux: total, weight: mean, guide: mean };
+        let product = self.products.times(state.product, factor.leaf);
+        let onward = State { ray: mirror_ray(hit, direction), product, ..state };
+        self.go_on([Some((onward, share)), None], state);
+    }
+
+    /// Goes on from a boundary of transparent media, both ways.
+    fn part(&mut self, hit: &Hit, direction: DVec3, state: State, dielectric: &Dielectric) {
+        let wavelength = self.wavelength.unwrap_or(LINE_D);
+        let (reflected, onward) = boundary(dielectric, hit, direction, wavelength);
+        let at_d =
+            if dielectric.has_constant_index() { reflected } else { boundary(dielectric, hit, direction, LINE_D).0 };
+        let Dielectric { reflectance, transmittance, .. } = dielectric;
+        let mut way = |factor: Factor, part: f64, guide: f64, ray: Ray, interior: Option<u32>| {
+            let mean = factor.scale * self.around.mean(factor);
+            self.account.boundaries += self.start.luminous * state.weight * part * (1.0 - mean);
+            let share = Share { flux: part * factor.scale, weight: part * mean, guide: guide * mean };
+            let product = self.products.times(state.product, factor.leaf);
+            (State { ray, product, interior, ..state }, share)
+        };
+        let mirrored = way(*reflectance, reflected, at_d, mirror_ray(hit, direction), state.interior);
+        let through = onward.map(|onward| {
+            let interior = hit.front.then_some(hit.shape);
+            way(*transmittance, 1.0 - reflected, 1.0 - at_d, hit.point().ray(single(onward)), interior)
+        });
+        self.go_on([Some(mirrored), through], state);
+    }
+
+    /// Follows the ways on from where a path was, each unless roulette or the limit of reflections and refractions ends it.
+    fn go_on(&mut self, ways: [Option<(State, Share)>; 2], from: State) {
+        let mut chance = None;
+        for (way, number) in ways.into_iter().zip(0..) {
+            let Some((state, share)) = way else { continue };
+            let (weight, guide) = (from.weight * share.weight, from.guide * share.guide);
+            if !(weight > 0.0) {
+                continue;
+            }
+            if from.depth >= self.around.limits.max_depth {
+                self.account.too_deep += self.luminous(weight);
+                continue;
+            }
+            let likely = self.likely(weight, guide);
+            if likely < 1.0 {
+                let Start { points, index, .. } = self.start;
+                let u = *chance.get_or_insert_with(|| points.decision(index, from.branch, Purpose::Survival));
+                // One number for both ways: where one of them must go on, it is as often as possible only one.
+                let survives = if number == 0 { u < likely } else { u >= 1.0 - likely };
+                let given = if survives { weight / likely } else { 0.0 };
+                self.account.roulette += self.luminous(weight - given);
+                if !survives {
+                    continue;
+                }
+            }
+            self.ways.push(State {
+                flux: from.flux * share.flux / likely,
+                weight: weight / likely,
+                guide: guide / likely,
+                depth: from.depth + 1,
+                branch: branch(from.branch, number),
+                ..state
+            });
+        }
+    }
+
+    /// How likely a path goes on: by its weight at the d line, so that paths of all wavelengths do alike, if that isn't far too little.
+    fn likely(&self, weight: f64, guide: f64) -> f64 {
+        let share = self.around.limits.share;
+        let [alike, own] = [guide, weight].map(|weight| if weight < share { weight / share } else { 1.0 });
+        if own <= MOST_EXCESS * alike { alike } else { own }
+    }
+}
+
+/// The branch that takes a way, 0 for reflection and 1 for refraction.
+const fn branch(from: u32, way: u32) -> u32 {
+    if from < HASHED { from << 1 | way } else { HASHED | crate::geometry::sampling::combine(from, way) }
+}
+
+/// The length of a path's way to a hit.
+fn way(state: &State, hit: &Hit) -> f64 {
+    f64::from((hit.position - state.ray.origin).length())
+}
+
+/// The ideal specular part of Schlick's model.
+fn specular_part(roughness: f64, isotropy: f64) -> f64 {
+    Schlick::new(roughness, isotropy).map_or(0.0, |model| model.weights()[2])
+}
+
+/// The part of light that a material mirrors or lets through; the rest is scattered.
+pub(super) fn mirrored(material: &Material) -> f64 {
+    match material {
+        Material::Mirror(_) | Material::Dielectric(_) => 1.0,
+        Material::Schlick { roughness, isotropy, .. } => specular_part(*roughness, *isotropy),
+        _ => 0.0,
+    }
+}
