@@ -416,14 +416,17 @@ impl Frame<'_> {
     /// Renders all passes, each with photons of its own if there are any, and takes the mean.
     fn trace<R: Resolver>(&self, start: Instant, new_resolver: impl Fn() -> R + Sync) -> Pixels {
         let Some(thrower) = self.thrower else { return self.trace_pass((0, None), start, &new_resolver) };
-        let (mut mean, mut throwing) = (Mean::default(), 0.0);
-        let mut photons = None;
+        let (first, mut throwing) = thrower.first();
+        let (mut mean, mut photons) = (Mean::default(), None);
         for pass in 0..thrower.passes() {
             let thrown = Instant::now();
-            let maps = thrower.pass(pass, self.watch);
-            throwing += thrown.elapsed().as_secs_f64();
-            mean.add(self.trace_pass((pass, Some(&maps)), start, &new_resolver));
-            photons = Some(PhotonReport::new(&maps, thrower.idle_lights(), throwing));
+            let own = (pass > 0).then(|| thrower.pass(pass, self.watch));
+            if own.is_some() {
+                throwing += thrown.elapsed().as_secs_f64();
+            }
+            let Some(maps) = own.as_ref().or(first) else { continue };
+            mean.add(self.trace_pass((pass, Some(maps)), start, &new_resolver));
+            photons = Some(PhotonReport::new(maps, thrower.idle_lights(), throwing));
         }
         Pixels { photons, ..mean.into_pixels() }
     }

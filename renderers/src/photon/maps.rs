@@ -12,6 +12,7 @@ use super::{
     surface,
 };
 use crate::geometry::{Hit, Ray};
+use crate::radiosity::Deposit;
 use crate::scene::Scene;
 use crate::spectral::Band;
 use crate::whitted::{Arrived, Arriving, Caustics, Reach, Whitted};
@@ -53,6 +54,8 @@ pub(crate) struct Maps<'s> {
     /// The width of bands in nm below which photons need not be thrown again.
     narrowest: f64,
     bands: Bands,
+    /// The map for all waves, if paths depend on them.
+    whole: Option<Arc<Slot>>,
     /// How many photons met mirrors or glass.
     sent: u64,
     account: Account,
@@ -127,6 +130,7 @@ impl<'s> Maps<'s> {
             curves: None,
             narrowest: 0.0,
             bands: Bands::default(),
+            whole: None,
             sent: account.sent,
             account,
             emission,
@@ -137,7 +141,9 @@ impl<'s> Maps<'s> {
             if rethrow == Rethrow::Interpolated {
                 maps.curves = Some(maps.interpolated(near));
             }
-            maps.bands.get(WHOLE).thrown(|band| maps.throw(band));
+            let whole = maps.bands.get(WHOLE);
+            whole.thrown(|band| maps.throw(band));
+            maps.whole = Some(whole);
         }
         maps
     }
@@ -270,9 +276,7 @@ impl<'s> Maps<'s> {
     pub(crate) fn error(&self) -> f64 {
         let mut estimate = Estimate::default();
         let (mut squares, mut places) = (0.0, 0.0);
-        let whole = (!self.prefixes.is_empty()).then(|| self.bands.get(WHOLE));
-        let thrown = whole.iter().map(|slot| slot.thrown(|band| self.throw(band)));
-        for thrown in core::iter::once(&self.even).chain(thrown) {
+        for thrown in self.whole() {
             let map = &thrown.map;
             let stride = map.len().div_ceil(PLACES).max(1);
             for photon in map.photons().iter().step_by(stride) {
@@ -286,6 +290,25 @@ impl<'s> Maps<'s> {
             }
         }
         if places > 0.0 { (squares / places).sqrt() } else { 0.0 }
+    }
+
+    /// All light: that whose way is the same for all waves, and the rest with all waves together.
+    fn whole(&self) -> impl Iterator<Item = &Thrown> {
+        core::iter::once(&self.even).chain(self.whole.iter().filter_map(|slot| slot.thrown.get()))
+    }
+
+    /// All photons, for all waves together.
+    pub(crate) fn deposits(&self) -> Vec<Deposit<'_>> {
+        let mut deposits = Vec::new();
+        for Thrown { map, spectra, .. } in self.whole() {
+            deposits.extend(map.photons().iter().map(|photon| Deposit {
+                position: glam::Vec3A::from_array(photon.position).as_dvec3(),
+                direction: glam::Vec3A::from_array(photon.direction).as_dvec3(),
+                flux: f64::from(photon.flux),
+                leaves: spectra.leaves(photon.spectrum),
+            }));
+        }
+        deposits
     }
 
     /// The hit of the ray that brought a photon.
@@ -341,11 +364,7 @@ impl Caustics for Maps<'_> {
 
     /// The radius is that for all waves, so that estimates for bands of them differ by nothing else.
     fn reach(&self, hit: &Hit, scratch: &mut Estimate) -> Option<Reach> {
-        if self.prefixes.is_empty() {
-            return None;
-        }
-        let slot = self.bands.get(WHOLE);
-        let thrown = slot.thrown(|band| self.throw(band));
+        let thrown = self.whole.as_ref()?.thrown.get()?;
         self.reach_in(thrown, &self.place(hit), scratch)
     }
 }

@@ -3,6 +3,7 @@
 use std::time::Instant;
 
 use super::{BetweenOptions, Frame, Options, Pixels, Spectra, Watch, bilinear, prefiltered};
+use crate::photon::Maps;
 use crate::radiosity::{self, Caustics, Field, FieldSettings, Others, Radiosity, Report, Solution};
 use crate::scene::{Integrator, Scene};
 use crate::spectral::{
@@ -128,7 +129,10 @@ impl Job<'_> {
         let BetweenOptions { accuracy, exact } = options.between;
         let seen = frame.seen();
         watch.stage("light between surfaces", Field::STEPS);
-        let settings = FieldSettings { accuracy, exact, caustics: Caustics::LeftOut };
+        let maps = frame.thrower.and_then(|thrower| thrower.first().0);
+        let deposits = maps.map(Maps::deposits);
+        let caustics = deposits.as_ref().map_or(Caustics::LeftOut, |deposits| Caustics::Given(deposits));
+        let settings = FieldSettings { accuracy, exact, caustics };
         let guide = radiosity.solve(guide).map_err(|e| RenderError::new(e.to_string()))?;
         let field = Field::new(scene, frame.scene, [solution, &guide], settings, &seen, &|steps| watch.add(steps));
         let gathered = start.elapsed().as_secs_f64();

@@ -1,5 +1,7 @@
 //! Light by way of mirrors and glass, as photons: what is asked for, and what became of it.
 
+use std::time::Instant;
+
 use super::Watch;
 use crate::photon::{BandReport, Bundle, Choice, Density, Emission, Kernel, Maps, Rethrow, Settings};
 use crate::scene::Scene;
@@ -134,6 +136,9 @@ pub(super) struct Thrower<'s> {
     density: Density,
     options: PhotonOptions,
     count: u64,
+    first: Option<Maps<'s>>,
+    /// Time for the first pass' photons.
+    seconds: f64,
 }
 
 /// The beams of a scene.
@@ -152,12 +157,15 @@ impl<'s> Thrower<'s> {
         watch: &dyn Watch,
     ) -> Result<Self, RenderError> {
         let density = density(options, scene.1)?;
-        let mut thrower = Self { scene, emission, density, options: *options, count: TRIAL };
+        let start = Instant::now();
+        let mut thrower = Self { scene, emission, density, options: *options, count: TRIAL, first: None, seconds: 0.0 };
         match options.count {
             PhotonCount::Count(count) => thrower.count = count,
             PhotonCount::Error(error) => loop {
-                let found = thrower.pass(0, watch).error();
+                let maps = thrower.pass(0, watch);
+                let found = maps.error();
                 if !(found > error) {
+                    thrower.first = Some(maps);
                     break;
                 }
                 thrower.count = more(thrower.count, found / error);
@@ -165,12 +173,21 @@ impl<'s> Thrower<'s> {
             },
         }
         check_memory(thrower.count, emission)?;
+        if thrower.first.is_none() {
+            thrower.first = Some(thrower.pass(0, watch));
+        }
+        thrower.seconds = start.elapsed().as_secs_f64();
         Ok(thrower)
     }
 
     /// Lights that see no mirror or glass.
     pub(super) fn idle_lights(&self) -> Vec<usize> {
         self.emission.idle_lights()
+    }
+
+    /// The maps of the first pass, and how long they took in seconds.
+    pub(super) fn first(&self) -> (Option<&Maps<'s>>, f64) {
+        (self.first.as_ref(), self.seconds)
     }
 
     pub(super) fn passes(&self) -> u32 {
