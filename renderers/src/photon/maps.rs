@@ -51,8 +51,8 @@ pub(crate) struct Maps<'s> {
     even: Thrown,
     prefixes: Vec<Prefix>,
     curves: Option<Interpolated>,
-    /// The width of bands in nm below which photons need not be thrown again.
-    narrowest: f64,
+    /// How far nine of ten photons move at most for each nm, where glass is the most dispersive.
+    shift: f64,
     bands: Bands,
     /// The map for all waves, if paths depend on them.
     whole: Option<Arc<Slot>>,
@@ -97,6 +97,9 @@ pub(crate) const WHOLE: Band =
 /// Paths by which it is found at how many wavelengths they are thrown.
 const TRIED: usize = 4096;
 
+/// Bands are at least so wide, in nm: a 64th of all waves.
+const NARROWEST: f64 = 6.25;
+
 /// Of how many photons' places errors are taken.
 const PLACES: usize = 1024;
 
@@ -128,7 +131,7 @@ impl<'s> Maps<'s> {
             even: Thrown::new(photons, Arc::new(spectra), emission),
             prefixes,
             curves: None,
-            narrowest: 0.0,
+            shift: 0.0,
             bands: Bands::default(),
             whole: None,
             sent: account.sent,
@@ -137,7 +140,7 @@ impl<'s> Maps<'s> {
         };
         if !maps.prefixes.is_empty() {
             let near = NEAR * maps.usual_radius();
-            maps.narrowest = maps.narrowest(near);
+            maps.shift = maps.shift();
             if rethrow == Rethrow::Interpolated {
                 maps.curves = Some(maps.interpolated(near));
             }
@@ -154,27 +157,23 @@ impl<'s> Maps<'s> {
         sorted(self.emission.throw(&some, |_| wavelength, &mut (*self.even.spectra).clone()).photons)
     }
 
-    /// The width in nm of the band within which nine of ten photons move less than a distance: where glass is the most dispersive.
-    fn narrowest(&self, near: f32) -> f64 {
+    fn shift(&self) -> f64 {
         let [first, last] = MOST_DISPERSIVE;
-        let shift = f64::from(curves::shift(&self.tried(first), &self.tried(last)));
-        let width = f64::from(near) * (last - first) / shift;
-        if width.is_finite() {
-            width.min(LAST_WAVELENGTH - FIRST_WAVELENGTH)
-        } else {
-            LAST_WAVELENGTH - FIRST_WAVELENGTH
-        }
+        f64::from(curves::shift(&self.tried(first), &self.tried(last))) / (last - first)
     }
 
-    /// The band itself, or the half, quarter, … of all waves that it is in, if it is so narrow that photons of one map will do for these.
-    fn widened(&self, band: Band) -> Band {
+    /// The band itself, or the half, quarter, … of all waves that it is in, if it is so narrow that photons of one map will do for these: as
+    /// each photon has a wavelength of its own, they may move by half of a radius. Dispersion is taken to fall like Cauchy's.
+    fn widened(&self, band: Band, radius: f32) -> Band {
         let whole = LAST_WAVELENGTH - FIRST_WAVELENGTH;
         let [from, to] = band.limits;
-        if to == from || to - from >= self.narrowest {
+        let wavelength = f64::midpoint(from, to);
+        let shift = self.shift * (MOST_DISPERSIVE[0] / wavelength).powi(3);
+        let narrowest = (0.5 * f64::from(radius) / shift).clamp(NARROWEST, whole);
+        if to == from || to - from >= narrowest {
             return band;
         }
-        let width = whole / (whole / self.narrowest).log2().floor().max(0.0).exp2();
-        let wavelength = f64::midpoint(from, to);
+        let width = whole / (whole / narrowest).log2().floor().exp2();
         let first = FIRST_WAVELENGTH + width * ((wavelength - FIRST_WAVELENGTH) / width).floor();
         Band { wavelength: f64::midpoint(first, first + width), limits: [first, first + width] }
     }
@@ -231,21 +230,22 @@ impl<'s> Maps<'s> {
     }
 
     /// Estimates the light of a place, and chooses the reach by that.
-    fn reach_in(&self, thrown: &Thrown, place: &Place<'_>, scratch: &mut Estimate) -> Option<Reach> {
-        self.density.estimate(&thrown.map, place, |photon| thrown.worth(photon), scratch);
+    fn reach_in(&self, thrown: &Thrown, place: &Place<'_>, least: f32, scratch: &mut Estimate) -> Option<Reach> {
+        let density = Density { smallest: least.min(self.density.radius), ..self.density };
+        density.estimate(&thrown.map, place, |photon| thrown.worth(photon), scratch);
         let bias = if scratch.value > 0.0 { scratch.bias / scratch.value } else { 0.0 };
         let shrink = self.shrink;
         let reach = Reach { radius: scratch.radius * shrink, bias: bias * f64::from(shrink * shrink) };
         (reach.radius > 0.0).then_some(reach)
     }
 
-    /// Finds the light that reaches a hit, within a reach if there is one.
-    fn find(&self, thrown: &Thrown, hit: &Hit, reach: Option<Reach>, found: &mut Arrived) -> Arc<Spectra> {
+    /// Finds the light that reaches a hit, within a reach or by one that is chosen, with the least radius.
+    fn find(&self, thrown: &Thrown, hit: &Hit, reach: Result<Reach, f32>, found: &mut Arrived) -> Arc<Spectra> {
         let Thrown { map, spectra, .. } = thrown;
         let (place, scratch, worth) = (self.place(hit), &mut found.scratch, |photon: &Photon| thrown.worth(photon));
         match reach {
-            None => {
-                let Some(Reach { radius, bias }) = self.reach_in(thrown, &place, scratch) else {
+            Err(least) => {
+                let Some(Reach { radius, bias }) = self.reach_in(thrown, &place, least, scratch) else {
                     return Arc::clone(spectra);
                 };
                 if self.shrink < 1.0 {
@@ -253,7 +253,7 @@ impl<'s> Maps<'s> {
                     scratch.bias = bias * scratch.value;
                 }
             }
-            Some(Reach { radius, bias }) => {
+            Ok(Reach { radius, bias }) => {
                 self.density.estimate_within(map, &place, radius, worth, scratch);
                 scratch.bias = bias * scratch.value;
             }
@@ -356,16 +356,16 @@ fn sorted(mut photons: Vec<Scattered>) -> Vec<Scattered> {
 }
 
 impl Caustics for Maps<'_> {
-    fn arriving(&self, hit: &Hit, band: Option<(Band, Reach)>, found: &mut Arrived) -> Arc<Spectra> {
-        let Some((band, reach)) = band else { return self.find(&self.even, hit, None, found) };
-        let slot = self.bands.get(self.widened(band));
-        self.find(slot.thrown(|band| self.throw(band)), hit, Some(reach), found)
+    fn arriving(&self, hit: &Hit, least: f32, band: Option<(Band, Reach)>, found: &mut Arrived) -> Arc<Spectra> {
+        let Some((band, reach)) = band else { return self.find(&self.even, hit, Err(least), found) };
+        let slot = self.bands.get(self.widened(band, reach.radius));
+        self.find(slot.thrown(|band| self.throw(band)), hit, Ok(reach), found)
     }
 
     /// The radius is that for all waves, so that estimates for bands of them differ by nothing else.
-    fn reach(&self, hit: &Hit, scratch: &mut Estimate) -> Option<Reach> {
+    fn reach(&self, hit: &Hit, least: f32, scratch: &mut Estimate) -> Option<Reach> {
         let thrown = self.whole.as_ref()?.thrown.get()?;
-        self.reach_in(thrown, &self.place(hit), scratch)
+        self.reach_in(thrown, &self.place(hit), least, scratch)
     }
 }
 

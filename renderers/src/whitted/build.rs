@@ -22,10 +22,12 @@ impl Whitted {
             let parametrisation = material.has_axes().then(axes);
             surfaces.push(Surface { material, emission: None, parametrisation });
         }
+        let camera = camera(scene, size)?;
         let mut result = Self {
+            pixel_angle: pixel_angle(&camera, size),
             world,
             blockers: Blockers::new(scene),
-            camera: camera(scene, size)?,
+            camera,
             surfaces,
             lights: Vec::new(),
             ambient: Vec::new(),
@@ -84,6 +86,14 @@ fn settings(integrator: Integrator) -> Result<Settings, RenderError> {
         Integrator::Path { max_depth: Some(depth), .. } => Ok(settings((depth - 2).min(MOST))),
         _ => Ok(Settings::default()),
     }
+}
+
+/// The angle between the rays through neighbouring pixels in the middle of a picture.
+#[allow(clippy::cast_precision_loss, reason = "pictures are smaller")]
+fn pixel_angle(camera: &Camera, size: [u32; 2]) -> f64 {
+    let [x, y] = size.map(|s| s as f32 / 2.0);
+    let direction = |x: f32| camera.ray(x, y).direction.as_dvec3().normalize_or_zero();
+    direction(x).distance(direction(x + 1.0))
 }
 
 pub(crate) fn camera(scene: &Scene, [width, height]: [u32; 2]) -> Result<Camera, RenderError> {

@@ -16,12 +16,12 @@ use crate::spectral::{Band, Deferred, Factor, Monomial, Radiance};
 /// Light that reaches surfaces by way of mirrors and glass: paths L S⁺ D.
 pub(crate) trait Caustics: Sync {
     /// Finds the light that reaches a place on a surface: on the side that was hit, by ways that are the same for all waves if there is no
-    /// band, or by those that are not, for the waves of a band, within the reach for that place. What is found is added to `found`; returned
-    /// are the products of spectra that it refers to.
-    fn arriving(&self, hit: &Hit, band: Option<(Band, Reach)>, found: &mut Arrived) -> Arc<Spectra>;
+    /// band, or by those that are not, for the waves of a band, within the reach for that place. Light within `least` of the place counts alike,
+    /// as far as that matters. What is found is added to `found`; returned are the products of spectra that it refers to.
+    fn arriving(&self, hit: &Hit, least: f32, band: Option<(Band, Reach)>, found: &mut Arrived) -> Arc<Spectra>;
 
     /// From how far light counts for a place that reaches it by ways that depend on the wavelength; `None` if none does.
-    fn reach(&self, hit: &Hit, scratch: &mut Estimate) -> Option<Reach>;
+    fn reach(&self, hit: &Hit, least: f32, scratch: &mut Estimate) -> Option<Reach>;
 }
 
 /// From how far light counts for a place.
@@ -116,7 +116,7 @@ impl<'s> Worker<'s> {
     pub(super) fn caustic(&mut self, hit: &Hit, direction: DVec3, path: Path, radiance: &mut Radiance) {
         let Some(caustics) = self.caustics else { return };
         self.arriving(hit, direction, path, None, radiance);
-        let Some(reach) = caustics.reach(hit, &mut self.arriving.scratch) else { return };
+        let Some(reach) = caustics.reach(hit, self.least(path), &mut self.arriving.scratch) else { return };
         if let Some(band) = path.band {
             self.arriving(hit, direction, path, Some((band, reach)), radiance);
             return;
@@ -124,6 +124,12 @@ impl<'s> Worker<'s> {
         let number = u32::try_from(self.deferred.len()).unwrap_or(u32::MAX);
         self.deferred.push(super::Later::Dispersed(Dispersed { hit: *hit, direction, path, reach }));
         radiance.defer(Deferred(number), path.monomial, 1.0);
+    }
+
+    /// Half of a pixel's width where a path is, if nothing magnifies: smaller details are not asked for.
+    #[allow(clippy::cast_possible_truncation, reason = "a radius")]
+    fn least(&self, path: Path) -> f32 {
+        (0.5 * self.scene.pixel_angle * path.length) as f32
     }
 
     /// The light of a place for a band.
@@ -146,7 +152,7 @@ impl<'s> Worker<'s> {
         let Some(caustics) = self.caustics else { return };
         let mut found = core::mem::take(&mut self.arriving);
         found.list.clear();
-        let spectra = caustics.arriving(hit, band, &mut found);
+        let spectra = caustics.arriving(hit, self.least(path), band, &mut found);
         if let (false, Some(response)) = (found.list.is_empty(), self.response(hit, direction)) {
             let noise = self.noise_share(band.map(|(band, _)| band));
             self.reflected((&found.list, &spectra), &response, (path, noise), radiance);

@@ -91,6 +91,8 @@ pub struct Whitted {
     surfaces: Vec<Surface>,
     lights: Vec<Light>,
     ambient: Vec<Factor>,
+    /// The angle between the rays through neighbouring pixels in the middle of the picture.
+    pixel_angle: f64,
     /// Cells for certified visibility, unless it is switched off.
     cells: Option<Cells>,
     settings: Settings,
@@ -205,6 +207,8 @@ struct Path {
     band: Option<Band>,
     /// The way's length counts for absorption by the interior of this shape.
     interior: Option<u32>,
+    /// Its length from the eye.
+    length: f64,
 }
 
 impl<'s> Worker<'s> {
@@ -292,6 +296,7 @@ impl<'s> Worker<'s> {
             index: self.samples,
             band: None,
             interior: None,
+            length: 0.0,
         };
         self.samples = self.samples.wrapping_add(1);
         self.gather(&ray, path, radiance);
@@ -313,6 +318,7 @@ impl<'s> Worker<'s> {
         let Some(hit) = self.scene.world.closest_hit(ray) else { return };
         let direction = ray.direction.as_dvec3().normalize_or_zero();
         let path = self.absorbed(path, ray, &hit);
+        let path = Path { length: path.length + f64::from((hit.position - ray.origin).length()), ..path };
         self.emitted(&hit, path, radiance);
         self.shade(&hit, direction, path, radiance);
     }
