@@ -2,7 +2,7 @@
 
 use clap::{Args, ValueEnum};
 use renderers::photon;
-use renderers::render::{PhotonCount, PhotonOptions, PhotonReport, Rendering};
+use renderers::render::{self, PhotonCount, PhotonOptions, PhotonReport, Rendering};
 use renderers::report::Table;
 use serde_json::json;
 
@@ -80,6 +80,8 @@ enum Rethrow {
 enum Between {
     /// From radiosity.
     Radiosity,
+    /// From a global photon map, by final gathers.
+    Gather,
     /// From the scene's ambient term.
     Ambient,
 }
@@ -123,7 +125,11 @@ impl PhotonArguments {
                 Rethrow::Interpolated => photon::Rethrow::Interpolated,
                 Rethrow::Traced => photon::Rethrow::Traced,
             }),
-            between: self.between.map_or(default.between, |between| between == Between::Radiosity),
+            between: self.between.map_or(default.between, |between| match between {
+                Between::Radiosity => render::Between::Radiosity,
+                Between::Gather => render::Between::Gather,
+                Between::Ambient => render::Between::Ambient,
+            }),
         })
     }
 

@@ -1,6 +1,6 @@
 //! Light by way of mirrors and glass, as photons: what is asked for, and what became of it.
 
-use super::Watch;
+use super::{Between, Watch};
 use crate::photon::{BandReport, Bundle, Choice, Density, Emission, Kernel, Maps, Rethrow, Settings};
 use crate::scene::Scene;
 use crate::spectral::Palette;
@@ -23,8 +23,8 @@ pub struct PhotonOptions {
     pub bundle: Bundle,
     /// How photons that depend on the wavelength are thrown for a band.
     pub rethrow: Rethrow,
-    /// Whether light between surfaces is found, too, in place of the ambient term.
-    pub between: bool,
+    /// Where light between surfaces comes from.
+    pub between: Between,
 }
 
 /// How many photons there are.
@@ -46,7 +46,7 @@ impl Default for PhotonOptions {
             adaptive: true,
             bundle: Bundle::default(),
             rethrow: Rethrow::default(),
-            between: true,
+            between: Between::default(),
         }
     }
 }
