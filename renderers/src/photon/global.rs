@@ -1,6 +1,7 @@
 //! The global photon map's photons: from all lights in all directions, by mirrors and glass and from surface to surface (Jensen 1996).
 //!
-//! A photon is kept wherever it meets a surface that scatters, where its light first arrives included. There it goes on, in a direction
+//! A photon is kept wherever it meets a surface that scatters, but not where it comes straight from a light, as that light is found otherwise. It
+//! goes on from there, in a direction
 //! distributed as the cosine, as often as the surface reflects light (Russian roulette): so that photons that go on carry as much light as
 //! before. At mirrors and glass it takes one of the ways on, at the helium d line (587.56 nm) where they depend on the wavelength. As between
 //! patches, Schlick's model counts as diffuse but for its specular share, which is mirrored, and Ward's by its base alone.
@@ -17,7 +18,7 @@ use super::shades::Shades;
 use super::{Photon, surface};
 use crate::direct::single;
 use crate::geometry::sampling::{SobolSequence, combine};
-use crate::geometry::{Hit, Ray};
+use crate::geometry::{Hit, Ray, SurfacePoint};
 use crate::material::{Lobe, Material};
 use crate::radiosity::follow;
 use crate::spectral::{Factor, FactorOrder, Monomial, Monomials, Palette};
@@ -44,12 +45,24 @@ pub(crate) struct GlobalSettings {
     pub(crate) order: FactorOrder,
 }
 
+/// Which photons of a pass are kept.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Kept {
+    /// Not those that came straight from a light.
+    Indirect,
+    /// And a quarter of those that did: so that there are not too few in the shade.
+    Spread,
+}
+
+/// One of so many photons that came straight from a light counts for [`Kept::Spread`].
+const SPREAD: u32 = 4;
+
 /// A place where a photon landed, as far as the photon doesn't say.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Spot {
     pub(crate) primitive: u32,
-    /// The unit geometric normal on the side that was met.
-    pub(crate) normal: [f32; 3],
+    /// The place, with the unit geometric normal on the side that was met.
+    pub(crate) point: SurfacePoint,
 }
 
 /// What becomes of photons' light. Each photon counts by its share of what it had at first, its spectra by their means; in photons.
@@ -85,6 +98,8 @@ pub(crate) struct Released {
     pub(crate) photons: Vec<Photon>,
     /// One for each photon.
     pub(crate) spots: Vec<Spot>,
+    /// For each photon, whether it came from a light by way of mirrors or glass alone.
+    pub(crate) caustic: Vec<bool>,
     pub(crate) shades: Shades,
     pub(crate) balance: Balance,
 }
@@ -119,14 +134,14 @@ impl<'s> Global<'s> {
         shades.iter().map(|(light, leaves)| (light.map_or(1.0, |l| self.mean(l)) * product(leaves)) as f32).collect()
     }
 
-    /// Emits photons, about `count` altogether, all of about the same flux. Passes are independent. The result doesn't depend on the number
+    /// Emits photons, about `count` altogether, all of about the same flux. Passes are independent of each other. The result doesn't depend on the number
     /// of threads. `progress` is told of attempts, of which there are [`attempts`](Self::attempts).
-    pub(crate) fn emit(&self, count: u64, pass: u32, progress: &(dyn Fn(u64) + Sync)) -> Released {
+    pub(crate) fn emit(&self, count: u64, (pass, kept): (u32, Kept), progress: &(dyn Fn(u64) + Sync)) -> Released {
         let tasks = self.tasks(count);
         let walks: Vec<Walk<'_>> = tasks
             .par_iter()
             .filter_map(|task| {
-                let walk = self.run(*task, pass)?;
+                let walk = self.run(*task, (pass, kept))?;
                 progress(u64::from(task.count));
                 Some(walk)
             })
@@ -135,15 +150,17 @@ impl<'s> Global<'s> {
         let stored = walks.iter().map(|walk| walk.landed.len()).sum();
         released.photons.reserve_exact(stored);
         released.spots.reserve_exact(stored);
+        released.caustic.reserve_exact(stored);
         for walk in walks {
             released.balance.add(&walk.balance);
             let mut numbers = vec![None; walk.products.len()];
-            for Landed { photon, product, spot } in &walk.landed {
+            for Landed { photon, product, spot, caustic } in &walk.landed {
                 let number = numbers.get_mut(product.index()).map(|known| {
                     *known.get_or_insert_with(|| released.shades.number(walk.light, walk.products.leaves(*product)))
                 });
                 released.photons.push(Photon { spectrum: number.unwrap_or_default(), ..*photon });
                 released.spots.push(*spot);
+                released.caustic.push(*caustic);
             }
         }
         released
@@ -190,12 +207,13 @@ impl<'s> Global<'s> {
     }
 
     /// One piece of work.
-    fn run(&self, task: Task, pass: u32) -> Option<Walk<'_>> {
+    fn run(&self, task: Task, (pass, kept): (u32, Kept)) -> Option<Walk<'_>> {
         let lamp = self.lamp(task.light)?;
         let factor = lamp.light.factor();
         let flux = lamp.attempted_flux() * factor.scale / f64::from(task.of);
         let mut walk = Walk {
             around: self,
+            kept,
             light: factor.leaf,
             products: Monomials::new(self.settings.order),
             landed: Vec::new(),
@@ -231,6 +249,7 @@ struct Landed {
     photon: Photon,
     product: Monomial,
     spot: Spot,
+    caustic: bool,
 }
 
 /// The random numbers of a photon under way.
@@ -264,6 +283,7 @@ struct State {
 #[derive(Debug)]
 struct Walk<'s> {
     around: &'s Global<'s>,
+    kept: Kept,
     /// The light's spectrum.
     light: Option<u32>,
     /// Reflectances, in the order in which they were met where that matters.
@@ -295,7 +315,11 @@ impl Walk<'_> {
                 self.balance.absorbed += state.weight;
                 return;
             };
-            self.keep(&end.hit, end.direction, &state);
+            let is_first = reflections == 0;
+            let spread = self.kept == Kept::Spread && chance.index.is_multiple_of(SPREAD);
+            if end.bent || !is_first || spread {
+                self.keep((&end.hit, end.direction), &state, is_first && end.bent);
+            }
             if reflections >= most {
                 self.balance.too_deep += state.weight;
                 return;
@@ -343,7 +367,7 @@ impl Walk<'_> {
         state.weight > 0.0
     }
 
-    fn keep(&mut self, hit: &Hit, direction: DVec3, state: &State) {
+    fn keep(&mut self, (hit, direction): (&Hit, DVec3), state: &State, caustic: bool) {
         #[allow(clippy::cast_possible_truncation, reason = "photons are f32")]
         let photon = Photon {
             position: hit.position.to_array(),
@@ -352,8 +376,9 @@ impl Walk<'_> {
             spectrum: 0,
             surface: surface(hit.shape, hit.front),
         };
-        let spot = Spot { primitive: hit.primitive, normal: hit.facing_normal().to_array() };
-        self.landed.push(Landed { photon, product: state.product, spot });
+        let point = SurfacePoint { normal: hit.facing_normal(), ..hit.point() };
+        let spot = Spot { primitive: hit.primitive, point };
+        self.landed.push(Landed { photon, product: state.product, spot, caustic });
     }
 }
 

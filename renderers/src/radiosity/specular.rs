@@ -94,7 +94,7 @@ pub(crate) struct End {
     pub(crate) weight: f64,
     pub(crate) tint: Tint,
     /// Whether it met a mirror or glass on its way.
-    pub(super) bent: bool,
+    pub(crate) bent: bool,
 }
 
 /// A scene with mirrors or glass, for rays between surfaces.

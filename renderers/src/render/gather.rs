@@ -28,7 +28,8 @@ pub enum Between {
 /// How light between surfaces is found by final gathers.
 ///
 /// Photons are sent from all lights in all directions, and are followed by mirrors and glass and from surface to surface, with products of
-/// spectra for their light. What surfaces reflect is estimated from those that landed on them, and found by the rays of a gather. As between
+/// spectra for their light. What surfaces reflect is estimated from those that landed on them, but for light straight from lights, which is known
+/// exactly; the rays of a gather find it. As between
 /// patches, Schlick's model counts as diffuse but for its specular share, Ward's by its base alone, and wherever
 /// the index depends on the wavelength, the way is that at 587.56 nm.
 ///
@@ -77,7 +78,7 @@ pub struct GatherReport {
 }
 
 /// Photons' irradiance is estimated from so many of them at most.
-const NEAREST: usize = 100;
+const NEAREST: usize = 64;
 /// The most memory that photons may take, in bytes, and about how many one that is sent takes while maps are made.
 const MOST_BYTES: u64 = 4 << 30;
 const BYTES: u64 = 600;
@@ -168,13 +169,13 @@ impl Job<'_> {
         let (whitted, world) = (frame.scene, frame.scene.world());
         #[allow(clippy::cast_possible_truncation, reason = "a hashed seed")]
         let seed = (frame.seed ^ (frame.seed >> 32)) as u32;
-        // A place that reflects light once more is where it has been reflected once less.
+        // What photons brought is reflected where they landed, and again where that is gathered first.
         let limit = limit(scene);
-        let settings = GlobalSettings { seed, reflections: limit.map(|l| l.saturating_sub(1)), order: frame.order };
+        let settings = GlobalSettings { seed, reflections: limit.map(|l| l.saturating_sub(2)), order: frame.order };
         let global = Global::new(whitted, palette, settings);
         let photons = if limit == Some(0) { 0 } else { photons };
         let density = Density { count: NEAREST, ..Density::default() };
-        let settings = GatherSettings { photons, rays, density, seed };
+        let settings = GatherSettings { photons, rays, density, seed, twice: limit.is_none_or(|l| l > 1) };
         watch.stage("photons", Gatherer::steps(&global, photons));
         let gatherer = Gatherer::new((scene, whitted), &global, representation, settings, &|steps| watch.add(steps));
         let estimated = start.elapsed().as_secs_f64();
