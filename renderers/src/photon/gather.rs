@@ -29,8 +29,8 @@ const PHOTONS_OF_A_PLACE: u64 = 8;
 const PLACING: u32 = 1;
 
 /// One of so many places has a gather, with so many rays.
-const GROUP: usize = 8;
-const GROUP_RAYS: u32 = 256;
+const GROUP: usize = 4;
+const GROUP_RAYS: u32 = 128;
 
 /// How radiosity is found and gathered.
 #[derive(Clone, Copy, Debug)]

@@ -454,3 +454,6 @@ fn longest(scene: &Whitted, order: FactorOrder) -> usize {
     }
     most
 }
+
+#[cfg(test)]
+mod tests;
