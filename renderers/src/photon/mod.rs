@@ -24,8 +24,6 @@ mod release;
 mod shades;
 mod spectra;
 mod target;
-#[cfg(test)]
-mod tests;
 mod trace;
 mod waves;
 
@@ -41,7 +39,7 @@ pub(crate) use maps::Maps;
 pub use maps::{BandReport, Rethrow};
 pub(crate) use shades::Shades;
 pub(crate) use spectra::Spectra;
-pub(crate) use trace::{Limits, Prefix};
+pub(crate) use trace::Prefix;
 pub use waves::Bundle;
 
 /// Light where it met a surface that scatters it.
@@ -74,3 +72,6 @@ pub(crate) struct Scattered {
     /// Which reflections and refractions it took: photons of one path and the same branch, at different wavelengths, correspond to each other.
     pub(crate) branch: u32,
 }
+
+#[cfg(test)]
+mod tests;
