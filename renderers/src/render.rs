@@ -1,6 +1,7 @@
 //! Rendering a scene to pictures: the loop over pixels, the same for every spectral representation.
 
 mod between;
+mod gather;
 mod photons;
 
 use core::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -26,6 +27,7 @@ use crate::spectral::{
 use crate::whitted::{Caustics, Indirect, RenderError, Whitted, Worker};
 
 pub use between::BetweenReport;
+pub use gather::{Between, GatherOptions, GatherReport};
 use photons::Thrower;
 pub use photons::{FluxShares, PhotonCount, PhotonOptions, PhotonReport};
 
@@ -128,6 +130,8 @@ pub struct Options {
     pub between: BetweenOptions,
     /// How light by way of mirrors and glass is found, by the one that does.
     pub photons: PhotonOptions,
+    /// How the same renderer finds light between surfaces by final gathers, if it does.
+    pub gather: GatherOptions,
 }
 
 /// How [`Renderer::Radiosity`] and [`Renderer::PhotonMap`] find light between surfaces.
@@ -181,6 +185,8 @@ pub struct Rendering {
     pub between: Option<BetweenReport>,
     /// What became of the photons, by the renderer that throws some.
     pub photons: Option<PhotonReport>,
+    /// What became of the light between surfaces, by renderers that gather it from photons.
+    pub gather: Option<GatherReport>,
 }
 
 /// Is told how far rendering is; from any thread.
@@ -254,26 +260,33 @@ pub fn render_watched(scene: &Scene, options: &Options, watch: &dyn Watch) -> Re
         None => None,
     };
     let frame = Frame { thrower: thrower.as_ref(), ..frame };
-    let (pixels, bounded, between) = if options.has_light_between() {
-        let (pixels, bounded, report) = between::render(scene, options, frame, palette, watch)?;
-        (pixels, bounded, Some(report))
-    } else {
-        let (pixels, bounded) = ambient(scene, options, &frame, &palette, start)?;
-        (pixels, bounded, None)
+    let (mut between, mut gather) = (None, None);
+    let (pixels, bounded) = match options.light_between() {
+        Between::Radiosity => {
+            let (pixels, bounded, report) = between::render(scene, options, frame, palette, watch)?;
+            between = Some(report);
+            (pixels, bounded)
+        }
+        Between::Gather => {
+            let (pixels, report) = gather::render(scene, options, frame, palette, watch)?;
+            gather = Some(report);
+            (pixels, false)
+        }
+        Between::Ambient => ambient(scene, options, &frame, &palette, start)?,
     };
     let photons = pixels.photons.clone();
     let rendering = pixels.into_rendering(size, samples, bounded).map_err(|e| RenderError::new(e.to_string()))?;
     let photon_delta_e = rendering.photon_delta_e.filter(|_| photons.is_some());
-    Ok(Rendering { between, photons, photon_delta_e, ..rendering })
+    Ok(Rendering { between, photons, gather, photon_delta_e, ..rendering })
 }
 
 impl Options {
-    /// Whether light between surfaces takes the place of the ambient term.
-    fn has_light_between(&self) -> bool {
+    /// Where light between surfaces comes from.
+    const fn light_between(&self) -> Between {
         match self.renderer {
-            Renderer::Radiosity => true,
+            Renderer::Radiosity => Between::Radiosity,
             Renderer::PhotonMap => self.photons.between,
-            Renderer::Whitted | Renderer::Path => false,
+            Renderer::Whitted | Renderer::Path => Between::Ambient,
         }
     }
 }
@@ -598,6 +611,7 @@ impl Pixels {
             preparation_seconds: self.preparation_seconds,
             between: None,
             photons: None,
+            gather: None,
         })
     }
 }

@@ -4,6 +4,7 @@
 
 mod brdf;
 mod compare;
+mod gather;
 mod illuminance;
 mod light;
 mod photons;

@@ -2,7 +2,7 @@
 
 use clap::{Args, ValueEnum};
 use renderers::photon;
-use renderers::render::{PhotonCount, PhotonOptions, PhotonReport, Rendering};
+use renderers::render::{self, PhotonCount, PhotonOptions, PhotonReport, Rendering};
 use renderers::report::Table;
 use serde_json::json;
 
@@ -83,6 +83,8 @@ enum Rethrow {
 enum Between {
     /// From radiosity.
     Radiosity,
+    /// From a global photon map, by final gathers.
+    Gather,
     /// From the scene's ambient term.
     Ambient,
 }
@@ -130,7 +132,11 @@ impl PhotonArguments {
                 passes @ 1..=65_536 => passes,
                 passes => return Err(Failure(format!("--passes must be from 1 to 65536, not {passes}"))),
             },
-            between: self.between.map_or(default.between, |between| between == Between::Radiosity),
+            between: self.between.map_or(default.between, |between| match between {
+                Between::Radiosity => render::Between::Radiosity,
+                Between::Gather => render::Between::Gather,
+                Between::Ambient => render::Between::Ambient,
+            }),
         })
     }
 

@@ -15,6 +15,7 @@ use serde_json::json;
 use spectral_core::adaptive::Mode;
 use spectral_core::colour::rgb::linear_rgb_to_xyz;
 
+use super::gather::{self, GatherArguments};
 use super::photons::{self, PhotonArguments};
 use super::{Answer, Failure};
 
@@ -65,6 +66,8 @@ pub(super) struct Arguments {
     exact: bool,
     #[command(flatten)]
     photons: PhotonArguments,
+    #[command(flatten)]
+    gather: GatherArguments,
     /// Path tracing goes on from this file if it is there, up to --spp samples altogether, and keeps its state in it.
     #[arg(long, value_name = "FILE")]
     resume: Option<PathBuf>,
@@ -199,7 +202,7 @@ impl Arguments {
         let photons = self.photons.options(self.renderer == Renderer::PhotonMap)?;
         let has_light_between = match self.renderer {
             Renderer::Radiosity => true,
-            Renderer::PhotonMap => photons.between,
+            Renderer::PhotonMap => photons.between != render::Between::Ambient,
             Renderer::Whitted | Renderer::Path => false,
         };
         if (self.accuracy.is_some() || self.exact) && !has_light_between {
@@ -209,7 +212,9 @@ impl Arguments {
         }
         let accuracy = self.accuracy.unwrap_or(BetweenOptions::default().accuracy);
         let between = BetweenOptions { accuracy, exact: self.exact };
-        Ok(Options { renderer, spectra, size: self.size, samples: self.spp, seed: self.seed, between, photons })
+        let gather = self.gather.options(photons.between == render::Between::Gather)?;
+        let (size, samples, seed) = (self.size, self.spp, self.seed);
+        Ok(Options { renderer, spectra, size, samples, seed, between, photons, gather })
     }
 
     /// The threshold asked for, or the default.
@@ -321,6 +326,7 @@ struct Report {
     errors: Option<Histogram>,
     threshold: f64,
     between: Option<BetweenReport>,
+    gather: Option<render::GatherReport>,
     photons: Option<photons::Summary>,
     warnings: Vec<String>,
 }
@@ -358,6 +364,7 @@ impl Report {
             errors,
             threshold,
             between: rendering.between,
+            gather: rendering.gather,
             photons: photons::Summary::new(rendering),
             warnings: Vec::new(),
         }
@@ -391,6 +398,9 @@ impl Report {
             table.row(["energy balance".to_owned(), format!("{:.1e}", radiosity.energy_balance)]);
             table.row(["gathers".to_owned(), between.gathers.to_string()]);
             table.row(["seconds: build, solve, gather".to_owned(), format!("{build:.3}, {solve:.3}, {gather:.3}")]);
+        }
+        if let Some(report) = &self.gather {
+            gather::rows(report, &mut table);
         }
         if let Some(photons) = &self.photons {
             photons.rows(&mut table);
@@ -465,6 +475,7 @@ impl Report {
             "delta_e_bound_histogram": self.errors.as_ref().map(Histogram::counts),
             "pixels_outside_bound_histogram": self.errors.as_ref().map(Histogram::outside),
             "radiosity": between,
+            "gather": self.gather.as_ref().map(|report| gather::json(report, self.seconds[0])),
             "photon_map": self.photons.as_ref().map(photons::Summary::json),
             "warnings": self.warnings,
             "files": files,

@@ -362,6 +362,7 @@ impl Frame<'_> {
             path_delta_e: None,
             photon_delta_e: None,
             photons: None,
+            gather: None,
             variance,
             samples: self.samples,
             rays,

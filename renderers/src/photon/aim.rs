@@ -93,7 +93,7 @@ impl Lamp<'_> {
     }
 
     /// A ray of parallel light through a point, from before everything.
-    fn parallel(self, through: DVec3, direction: DVec3) -> Ray {
+    pub(super) fn parallel(self, through: DVec3, direction: DVec3) -> Ray {
         let [low, high] = self.world.bounds().map(Vec3A::as_dvec3);
         let corner = DVec3::select(direction.cmpgt(DVec3::ZERO), low, high);
         let before = (through - corner).dot(direction).max(0.0) + 1e-3 * (high - low).length();
@@ -178,7 +178,7 @@ fn is_within(shape: &Shape, point: DVec3) -> bool {
 }
 
 /// A flat light's frame and its area.
-fn flat(shape: &Shape) -> Option<(Flat, f64)> {
+pub(super) fn flat(shape: &Shape) -> Option<(Flat, f64)> {
     match shape {
         Shape::Rectangle(flat) => Some((*flat, 4.0 * flat.u.cross(flat.v).length())),
         Shape::Disk(flat) => Some((*flat, PI * flat.u.cross(flat.v).length())),
@@ -187,7 +187,7 @@ fn flat(shape: &Shape) -> Option<(Flat, f64)> {
 }
 
 /// A place on a flat light, evenly over its area.
-fn on_flat(shape: &Shape, u: [f64; 2]) -> Option<DVec3> {
+pub(super) fn on_flat(shape: &Shape, u: [f64; 2]) -> Option<DVec3> {
     match shape {
         Shape::Rectangle(flat) => Some(flat.at(u.map(|u| 2.0 * u - 1.0))),
         Shape::Disk(flat) => Some(flat.at(disk(u))),
@@ -216,7 +216,7 @@ fn place(shape: &Shape, target: &Ball, u: [f64; 2]) -> Option<(DVec3, DVec3, f64
 }
 
 /// The ray that leaves a light.
-fn leaving(source: &Source, from: DVec3, normal: DVec3, direction: DVec3) -> Ray {
+pub(super) fn leaving(source: &Source, from: DVec3, normal: DVec3, direction: DVec3) -> Ray {
     SurfacePoint::new(single(from), single(normal)).on(source.primitive).ray(single(direction))
 }
 
@@ -277,20 +277,20 @@ fn entry(ball: &Ball, from: DVec3, direction: DVec3) -> DVec3 {
 }
 
 /// The unit vector at a height along an axis, at an azimuth in turns.
-fn around(axis: DVec3, height: f64, turns: f64) -> DVec3 {
+pub(super) fn around(axis: DVec3, height: f64, turns: f64) -> DVec3 {
     let (sin, cos) = (TAU * turns).sin_cos();
     let (x, y) = axis.any_orthonormal_pair();
     axis * height + (x * cos + y * sin) * (1.0 - height * height).max(0.0).sqrt()
 }
 
 /// A direction of the hemisphere around a unit vector, with a density proportional to the cosine.
-fn cosine_hemisphere(axis: DVec3, u: [f64; 2]) -> DVec3 {
+pub(super) fn cosine_hemisphere(axis: DVec3, u: [f64; 2]) -> DVec3 {
     let [a, b] = disk(u);
     let (x, y) = axis.any_orthonormal_pair();
     x * a + y * b + axis * (1.0 - a * a - b * b).max(0.0).sqrt()
 }
 
 #[allow(clippy::cast_possible_truncation, reason = "the map is f32")]
-fn disk(u: [f64; 2]) -> [f64; 2] {
+pub(super) fn disk(u: [f64; 2]) -> [f64; 2] {
     square_to_disk(u.map(|u| u as f32)).as_dvec2().to_array()
 }

@@ -273,7 +273,7 @@ impl Density {
 }
 
 /// Where the photons are that count for a place: near the plane of a face, or near the tangent plane in proportion to their distance.
-fn region(place: &Place<'_>, radius: f32, coordinate: f32) -> Region {
+pub(super) fn region(place: &Place<'_>, radius: f32, coordinate: f32) -> Region {
     let rounding = 16.0 * f32::EPSILON * coordinate;
     let Place { position, normal, .. } = *place;
     #[allow(clippy::cast_possible_truncation, reason = "lengths and unit vectors")]

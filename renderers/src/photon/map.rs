@@ -116,7 +116,6 @@ impl PhotonMap {
     }
 
     /// Whether there are none.
-    #[cfg(test)]
     pub(crate) fn is_empty(&self) -> bool {
         self.photons.is_empty()
     }
@@ -127,7 +126,6 @@ impl PhotonMap {
     }
 
     /// For each photon its index in the list that the map was made of.
-    #[cfg(test)]
     pub(crate) fn origins(&self) -> &[u32] {
         &self.origins
     }

@@ -72,7 +72,7 @@ impl Form {
 }
 
 /// What is asked for irradiance: it fills a row for a position, a normal and a primitive.
-pub(super) trait Gather: Sync {
+pub(crate) trait Gather: Sync {
     /// Numbers in a row.
     fn width(&self) -> usize;
     /// How many of them, the first ones, are light; the others bound errors.

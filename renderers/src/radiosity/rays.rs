@@ -146,15 +146,15 @@ fn nearest(patches: &Patches, roots: &[u32], place: DVec3) -> Option<u32> {
     best
 }
 
-/// A part of a patch that rays found.
+/// A part of a patch, or anything with a radiosity, that rays found.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Found {
+pub(crate) struct Found {
     /// Its number; after all parts, the numbers of sides stand for what they send out by themselves.
-    pub(super) part: u32,
+    pub(crate) part: u32,
     /// What its light is multiplied by on its way.
-    pub(super) tint: Tint,
+    pub(crate) tint: Tint,
     /// The share of the rays, each times what it leaves of light: the configuration factor where none met mirrors or glass.
-    pub(super) share: f64,
+    pub(crate) share: f64,
 }
 
 /// Where rays from a place go.

@@ -4,8 +4,8 @@ use rayon::prelude::*;
 
 use super::Solution;
 use super::caustics::Landed;
+use super::charts::Patched;
 use super::mesh::{Node, Patches};
-use super::picture::Patched;
 use super::rays::{Found, Lookup, Part, Rays};
 use super::representation::{Representation, light};
 use super::sight::surface_point;
@@ -206,7 +206,7 @@ fn without_caustics(solution: &Solution<'_>, reflected: &mut [f64]) {
 }
 
 /// The sum of rows, each times its share and with its tint.
-pub(super) fn added_up(found: &[Found], rows: &[f64], representation: &dyn Representation) -> Vec<f64> {
+pub(crate) fn added_up(found: &[Found], rows: &[f64], representation: &dyn Representation) -> Vec<f64> {
     let width = representation.width();
     let mut sum = vec![0.0; width];
     for same in found.chunk_by(|a, b| a.tint == b.tint) {

@@ -63,10 +63,10 @@ pub(super) fn in_order(scene: &Scene) -> Vec<(Kind, u32, &Shape)> {
 
 /// Spectra that light is multiplied by on its way: leaves of the palette, in the order in which a ray met them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) struct Tint(u128);
+pub(crate) struct Tint(u128);
 
 impl Tint {
-    pub(super) const fn is_none(self) -> bool {
+    pub(crate) const fn is_none(self) -> bool {
         self.0 == 0
     }
 
@@ -78,7 +78,7 @@ impl Tint {
     }
 
     /// The leaves, from the place where the ray began.
-    pub(super) fn leaves(self) -> impl DoubleEndedIterator<Item = u32> {
+    pub(crate) fn leaves(self) -> impl DoubleEndedIterator<Item = u32> {
         let number = move |place: u32| self.0 >> (place * BITS) & u128::from(u16::MAX);
         (0..MOST_SPECTRA).map(number).filter_map(|n| u32::try_from(n).ok()?.checked_sub(1))
     }
@@ -86,13 +86,15 @@ impl Tint {
 
 /// Where a ray ends.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct End {
-    pub(super) hit: Hit,
+pub(crate) struct End {
+    pub(crate) hit: Hit,
+    /// The unit vector along which it came.
+    pub(crate) direction: DVec3,
     /// What of the light from there arrives, but for spectra.
-    pub(super) weight: f64,
-    pub(super) tint: Tint,
+    pub(crate) weight: f64,
+    pub(crate) tint: Tint,
     /// Whether it met a mirror or glass on its way.
-    pub(super) bent: bool,
+    pub(crate) bent: bool,
 }
 
 /// A scene with mirrors or glass, for rays between surfaces.
@@ -131,25 +133,38 @@ impl<'w> Specular<'w> {
         Some(Self { whitted, world, choices: SobolSequence::new(0) })
     }
 
-    /// Follows the ray with this number through mirrors and glass to whatever else it meets. At each boundary it is reflected or refracted, by a
-    /// choice that is the same for equal numbers.
+    /// Follows the ray with this number: see [`follow`].
     pub(super) fn follow(&self, ray: Ray, number: u32) -> Option<End> {
-        let direction = ray.direction.as_dvec3();
-        let mut way = Way { ray, direction, weight: 1.0, tint: Tint::default(), interior: None };
-        for boundary in 0..=MOST_BOUNDARIES {
-            let hit = self.world.closest_hit(&way.ray)?;
-            way.direction = way.ray.direction.as_dvec3().normalize_or_zero();
-            let material = self.whitted.material(&hit);
-            way.absorb(&hit, material);
-            let choice = || f64::from(self.choices.point(number, boundary)[0]);
-            match material {
-                Some(Material::Mirror(factors)) => way.reflect(&hit, factors, choice())?,
-                Some(Material::Dielectric(glass)) => way.cross(&hit, glass, choice())?,
-                _ => return Some(End { hit, weight: way.weight, tint: way.tint, bent: boundary > 0 }),
+        follow((self.whitted, &self.world), &self.choices, ray, number)
+    }
+}
+
+/// Follows the ray with this number through mirrors and glass of a world, whose shapes have the numbers of the scene's, to whatever else it
+/// meets. At each boundary it is reflected or refracted, at 587.56 nm, by a choice that is the same for equal numbers.
+pub(crate) fn follow(
+    (whitted, world): (&Whitted, &World),
+    choices: &SobolSequence,
+    ray: Ray,
+    number: u32,
+) -> Option<End> {
+    let direction = ray.direction.as_dvec3();
+    let mut way = Way { ray, direction, weight: 1.0, tint: Tint::default(), interior: None };
+    for boundary in 0..=MOST_BOUNDARIES {
+        let hit = world.closest_hit(&way.ray)?;
+        way.direction = way.ray.direction.as_dvec3().normalize_or_zero();
+        let material = whitted.material(&hit);
+        way.absorb(&hit, material);
+        let choice = || f64::from(choices.point(number, boundary)[0]);
+        match material {
+            Some(Material::Mirror(factors)) => way.reflect(&hit, factors, choice())?,
+            Some(Material::Dielectric(glass)) => way.cross(&hit, glass, choice())?,
+            _ => {
+                let Way { direction, weight, tint, .. } = way;
+                return Some(End { hit, direction, weight, tint, bent: boundary > 0 });
             }
         }
-        None
     }
+    None
 }
 
 impl<'w> Way<'w> {

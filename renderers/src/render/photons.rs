@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use super::Watch;
+use super::{Between, Watch};
 use crate::photon::{BandReport, Bundle, Choice, Density, Emission, Kernel, Maps, Rethrow, Settings};
 use crate::scene::Scene;
 use crate::spectral::Palette;
@@ -27,8 +27,8 @@ pub struct PhotonOptions {
     pub rethrow: Rethrow,
     /// How often photons are thrown anew, with camera rays of their own; the picture is the mean. Memory is that of one pass.
     pub passes: u32,
-    /// Whether light between surfaces is found, too, in place of the ambient term.
-    pub between: bool,
+    /// Where light between surfaces comes from.
+    pub between: Between,
 }
 
 /// How many photons there are.
@@ -51,7 +51,7 @@ impl Default for PhotonOptions {
             bundle: Bundle::default(),
             rethrow: Rethrow::default(),
             passes: 1,
-            between: true,
+            between: Between::default(),
         }
     }
 }
