@@ -9,6 +9,7 @@ use std::time::Instant;
 
 use spectral_core::adaptive::Mode;
 use spectral_core::bilinear::Tensor;
+use spectral_core::bound::delta_e_bound;
 use spectral_core::colour::{delta_e_ab, rgb, xyz_to_lab};
 
 use rayon::prelude::*;
@@ -20,11 +21,12 @@ use crate::path;
 use crate::scene::{self, Scene};
 use crate::spectral::{
     Band, Colour, ComponentResolver, Components, FactorOrder, IntervalMemory, IntervalSettings, Intervals, Palette,
-    Radiance, Resolver, Role, SharedIntervals, Tracer, Uniform, UniformBins,
+    Radiance, Resolver, Role, SharedIntervals, Tracer, Uniform, UniformBins, Y_INTEGRAL,
 };
 use crate::whitted::{Caustics, Indirect, RenderError, Whitted, Worker};
 
 pub use between::BetweenReport;
+use photons::Thrower;
 pub use photons::{FluxShares, PhotonCount, PhotonOptions, PhotonReport};
 
 /// Pixels along the side of the squares that threads take in turn.
@@ -241,18 +243,17 @@ pub fn render_watched(scene: &Scene, options: &Options, watch: &dyn Watch) -> Re
         scene: &whitted,
         order: options.spectra.factor_order(),
         indirect: None,
-        caustics: None,
+        thrower: None,
         watch,
     };
     let (size, samples) = (frame.size, frame.samples);
-    let throwing = Instant::now();
-    let maps = if options.renderer == Renderer::PhotonMap {
-        Some(photons::throw((scene, &whitted), &palette, &options.photons, frame.seed, watch)?)
-    } else {
-        None
+    let has_photons = options.renderer == Renderer::PhotonMap;
+    let emission = has_photons.then(|| photons::emission(scene, &whitted, &palette, frame.seed));
+    let thrower = match &emission {
+        Some(emission) => Some(Thrower::new((scene, &whitted), emission, &options.photons, watch)?),
+        None => None,
     };
-    let thrown = throwing.elapsed().as_secs_f64();
-    let frame = Frame { caustics: maps.as_ref().map(|maps| maps as &dyn Caustics), ..frame };
+    let frame = Frame { thrower: thrower.as_ref(), ..frame };
     let (pixels, bounded, between) = if options.has_light_between() {
         let (pixels, bounded, report) = between::render(scene, options, frame, palette, watch)?;
         (pixels, bounded, Some(report))
@@ -260,7 +261,7 @@ pub fn render_watched(scene: &Scene, options: &Options, watch: &dyn Watch) -> Re
         let (pixels, bounded) = ambient(scene, options, &frame, &palette, start)?;
         (pixels, bounded, None)
     };
-    let photons = maps.as_ref().map(|maps| PhotonReport::new(maps, thrown));
+    let photons = pixels.photons.clone();
     let rendering = pixels.into_rendering(size, samples, bounded).map_err(|e| RenderError::new(e.to_string()))?;
     let photon_delta_e = rendering.photon_delta_e.filter(|_| photons.is_some());
     Ok(Rendering { between, photons, photon_delta_e, ..rendering })
@@ -367,8 +368,8 @@ struct Frame<'s> {
     order: FactorOrder,
     /// Light between surfaces, in place of the ambient term.
     indirect: Option<&'s dyn Indirect>,
-    /// Light by way of mirrors and glass.
-    caustics: Option<&'s dyn Caustics>,
+    /// Throws photons, for light by way of mirrors and glass.
+    thrower: Option<&'s Thrower<'s>>,
     watch: &'s dyn Watch,
 }
 
@@ -376,11 +377,13 @@ struct Frame<'s> {
 const MOST_SEEN: usize = 1 << 18;
 
 /// The colours of all pixels, row by row.
+#[derive(Default)]
 struct Pixels {
     colours: Vec<Colour>,
     rays: u64,
     seconds: f64,
     preparation_seconds: f64,
+    photons: Option<PhotonReport>,
 }
 
 impl Frame<'_> {
@@ -410,8 +413,28 @@ impl Frame<'_> {
         rows.into_par_iter().flat_map_iter(row).collect()
     }
 
-    /// Renders all tiles, each by whichever thread is free; each thread has one resolver.
+    /// Renders all passes, each with photons of its own if there are any, and takes the mean.
     fn trace<R: Resolver>(&self, start: Instant, new_resolver: impl Fn() -> R + Sync) -> Pixels {
+        let Some(thrower) = self.thrower else { return self.trace_pass((0, None), start, &new_resolver) };
+        let (mut mean, mut throwing) = (Mean::default(), 0.0);
+        let mut photons = None;
+        for pass in 0..thrower.passes() {
+            let thrown = Instant::now();
+            let maps = thrower.pass(pass, self.watch);
+            throwing += thrown.elapsed().as_secs_f64();
+            mean.add(self.trace_pass((pass, Some(&maps)), start, &new_resolver));
+            photons = Some(PhotonReport::new(&maps, thrower.idle_lights(), throwing));
+        }
+        Pixels { photons, ..mean.into_pixels() }
+    }
+
+    /// Renders all tiles, each by whichever thread is free; each thread has one resolver.
+    fn trace_pass<R: Resolver>(
+        &self,
+        (pass, caustics): (u32, Option<&dyn Caustics>),
+        start: Instant,
+        new_resolver: &(impl Fn() -> R + Sync),
+    ) -> Pixels {
         let preparation_seconds = start.elapsed().as_secs_f64();
         let traced = Instant::now();
         self.watch.stage(LAST_STAGE, (self.size[0] * self.size[1]) as u64);
@@ -425,7 +448,7 @@ impl Frame<'_> {
             if let Some(indirect) = self.indirect {
                 worker = worker.with_indirect(indirect);
             }
-            if let Some(caustics) = self.caustics {
+            if let Some(caustics) = caustics {
                 worker = worker.with_caustics(caustics);
             }
             let mut resolver = new_resolver();
@@ -444,7 +467,7 @@ impl Frame<'_> {
                         worker.forget();
                         resolver = new_resolver();
                     }
-                    colours.push(self.pixel(x, y, &mut worker, &mut resolver));
+                    colours.push(self.pixel([x, y], pass, &mut worker, &mut resolver));
                 }
                 if let Ok(mut shared) = shared.lock() {
                     for (row, y) in colours.chunks(right - left).zip(top..bottom) {
@@ -458,7 +481,7 @@ impl Frame<'_> {
             }
         });
         let (colours, rays) = shared.into_inner().unwrap_or_default();
-        Pixels { colours, rays, seconds: traced.elapsed().as_secs_f64(), preparation_seconds }
+        Pixels { colours, rays, seconds: traced.elapsed().as_secs_f64(), preparation_seconds, photons: None }
     }
 
     /// The random numbers of a pixel.
@@ -470,12 +493,14 @@ impl Frame<'_> {
 
     /// One pixel: all its camera rays in one expression, evaluated once.
     #[allow(clippy::cast_precision_loss, reason = "pixel coordinates")]
-    fn pixel<R: Resolver>(&self, x: usize, y: usize, worker: &mut Worker<'_>, resolver: &mut R) -> Colour {
+    fn pixel<R: Resolver>(&self, [x, y]: [usize; 2], pass: u32, worker: &mut Worker<'_>, resolver: &mut R) -> Colour {
         let mut radiance = Radiance::default();
         let weight = 1.0 / f64::from(self.samples);
         let points = self.points(x, y);
         worker.start_pixel(points);
-        for sample in 0..self.samples {
+        let first = pass.wrapping_mul(self.samples);
+        worker.skip_samples(first);
+        for sample in first..first.saturating_add(self.samples) {
             let [dx, dy] = self.filter.square_to_offset(points.point(sample, 0)).map(f64::from);
             worker.sample(x as f64 + 0.5 + dx, y as f64 + 0.5 + dy, weight, &mut radiance);
         }
@@ -499,6 +524,58 @@ fn noise<R: Resolver>(xyz: [f64; 3], worker: &mut Worker<'_>, resolver: &mut R) 
     }
     let more = core::array::from_fn(|a| xyz[a] + squares[a].sqrt());
     delta_e_ab(xyz_to_lab(xyz, rgb::WHITE), xyz_to_lab(more, rgb::WHITE))
+}
+
+/// The mean of passes.
+#[derive(Default)]
+struct Mean {
+    sum: Option<Pixels>,
+    passes: u32,
+}
+
+impl Mean {
+    fn add(&mut self, pass: Pixels) {
+        self.passes += 1;
+        let Some(sum) = &mut self.sum else {
+            self.sum = Some(pass);
+            return;
+        };
+        sum.rays += pass.rays;
+        sum.seconds += pass.seconds;
+        for (sum, colour) in sum.colours.iter_mut().zip(pass.colours) {
+            *sum = Colour {
+                xyz: core::array::from_fn(|a| sum.xyz[a] + colour.xyz[a]),
+                radius: core::array::from_fn(|a| sum.radius[a] + colour.radius[a]),
+                delta_e: sum.delta_e + colour.delta_e,
+                path_delta_e: sum.path_delta_e + colour.path_delta_e,
+                // Passes are independent.
+                photon_delta_e: sum.photon_delta_e.hypot(colour.photon_delta_e),
+                intervals: sum.intervals.max(colour.intervals),
+            };
+        }
+    }
+
+    fn into_pixels(self) -> Pixels {
+        let mut pixels = self.sum.unwrap_or_default();
+        if self.passes < 2 {
+            return pixels;
+        }
+        let share = 1.0 / f64::from(self.passes);
+        for colour in &mut pixels.colours {
+            let [xyz, radius] = [colour.xyz, colour.radius].map(|v| v.map(|v| v * share));
+            let [scaled, box_size, white] = [xyz, radius, rgb::WHITE].map(|v| v.map(|v| v * Y_INTEGRAL));
+            *colour = Colour {
+                xyz,
+                radius,
+                // The box of the mean is the mean of the boxes.
+                delta_e: delta_e_bound(scaled, box_size, white).delta_e,
+                path_delta_e: colour.path_delta_e * share,
+                photon_delta_e: colour.photon_delta_e * share,
+                intervals: colour.intervals,
+            };
+        }
+        pixels
+    }
 }
 
 impl Pixels {

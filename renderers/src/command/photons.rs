@@ -38,6 +38,9 @@ pub(super) struct PhotonArguments {
     /// How photons are thrown for a band; interpolated by default.
     #[arg(long, value_enum)]
     rethrow: Option<Rethrow>,
+    /// How often photons are thrown anew, each time with --spp camera rays and a smaller radius; 1 by default.
+    #[arg(long, value_name = "N")]
+    passes: Option<u32>,
     /// Where light between surfaces comes from; radiosity by default.
     #[arg(long, value_enum)]
     between: Option<Between>,
@@ -89,7 +92,7 @@ impl PhotonArguments {
     pub(super) fn options(&self, is_meant: bool) -> Result<PhotonOptions, Failure> {
         if !is_meant && self.is_given() {
             return Err(Failure(
-                "--photons, --photon-error, --nearest, --radius, --kernel, --estimate, --bundle, --rethrow and --between are for --renderer \
+                "--photons, --photon-error, --nearest, --radius, --kernel, --estimate, --bundle, --rethrow, --passes and --between are for --renderer \
                  photon-map"
                     .to_owned(),
             ));
@@ -123,6 +126,10 @@ impl PhotonArguments {
                 Rethrow::Interpolated => photon::Rethrow::Interpolated,
                 Rethrow::Traced => photon::Rethrow::Traced,
             }),
+            passes: match self.passes.unwrap_or(default.passes) {
+                passes @ 1..=65_536 => passes,
+                passes => return Err(Failure(format!("--passes must be from 1 to 65536, not {passes}"))),
+            },
             between: self.between.map_or(default.between, |between| between == Between::Radiosity),
         })
     }
@@ -146,6 +153,7 @@ impl PhotonArguments {
             || self.estimate.is_some()
             || self.bundle.is_some()
             || self.rethrow.is_some()
+            || self.passes.is_some()
             || self.between.is_some()
     }
 }

@@ -5,11 +5,11 @@ use core::f64::consts::{PI, TAU};
 use glam::{DVec3, Vec3A};
 
 use super::target::{Ball, Facet};
-use crate::direct::{Flat, Light, Shape, Source, single};
+use crate::direct::{Blockers, Cover, Flat, Light, Receiver, Scratch, Shape, Source, Surroundings, single};
 use crate::geometry::sampling::square_to_disk;
 use crate::geometry::{Ray, SurfacePoint, World};
 
-/// Lights nearer than this part of their diameter are found by directions from the target instead of by places on the light.
+/// Facets nearer to a light than this part of its width and height aren't cut any finer.
 const NEAR: f64 = 0.5;
 
 /// A ray from a light towards its target.
@@ -34,7 +34,7 @@ type Arriving = (Ray, DVec3, f64);
 
 impl Lamp<'_> {
     /// A ray towards a sphere: the first two numbers say in which direction, the others from where on the light.
-    pub(super) fn to_ball(&self, ball: &Ball, [s, t, p, q]: [f64; 4]) -> Option<Aim> {
+    pub(super) fn aim_at_ball(self, ball: &Ball, [s, t, p, q]: [f64; 4]) -> Option<Aim> {
         let (ray, flux) = match self.light {
             Light::Area { source, .. } => {
                 let (from, normal, area) = place(&source.shape, ball, [p, q])?;
@@ -65,7 +65,7 @@ impl Lamp<'_> {
     }
 
     /// A ray to a point of a facet, and its flux for each unit of the facet's area.
-    pub(super) fn to_facet(&self, facet: &Facet, to: DVec3, u: [f64; 2]) -> Option<Aim> {
+    pub(super) fn aim_at_facet(self, facet: &Facet, to: DVec3, u: [f64; 2]) -> Option<Aim> {
         let (ray, direction, across) = match self.light {
             Light::Area { source, .. } => from_source(source, facet, to, u)?,
             Light::Point { position, .. } => from_point(*position, to, 1.0)?,
@@ -78,18 +78,32 @@ impl Lamp<'_> {
         (flux > 0.0).then_some(Aim { ray, flux, primitive: facet.primitive })
     }
 
+    /// The irradiance at a point of a facet, of both sides together, for a light factor of 1 and nothing in the way.
+    pub(super) fn irradiance(self, facet: &Facet, at: DVec3, scratch: &mut Scratch) -> f64 {
+        if !matches!(self.light, Light::Area { .. }) {
+            return self.aim_at_facet(facet, at, [0.5; 2]).map_or(0.0, |aim| aim.flux);
+        }
+        let around = Surroundings { world: self.world, blockers: &Blockers::default() };
+        let mut sum = 0.0;
+        for normal in [facet.normal, -facet.normal] {
+            let receiver = Receiver::new(at, normal, self.world);
+            self.light.illuminate(around, &receiver, 0, || Cover::Clear, scratch, |part| sum += part.irradiance);
+        }
+        sum
+    }
+
     /// A ray of parallel light through a point, from before everything.
-    fn parallel(&self, through: DVec3, direction: DVec3) -> Ray {
+    fn parallel(self, through: DVec3, direction: DVec3) -> Ray {
         let [low, high] = self.world.bounds().map(Vec3A::as_dvec3);
         let corner = DVec3::select(direction.cmpgt(DVec3::ZERO), low, high);
         let before = (through - corner).dot(direction).max(0.0) + 1e-3 * (high - low).length();
         Ray::new(single(through - direction * before), single(direction))
     }
 
-    /// How near the light may come to a point; infinite for parallel light.
-    pub(super) fn distance(&self, point: DVec3) -> f64 {
+    /// How far one may go from a point before the light looks very different; infinite for parallel light.
+    pub(super) fn scale(self, point: DVec3) -> f64 {
         match self.light {
-            Light::Area { source, .. } => distance(&source.shape, point),
+            Light::Area { source, .. } => distance(&source.shape, point).max(near_distance(&source.shape)),
             Light::Point { position, .. } => position.distance(point),
             Light::Luminaire { luminaire, .. } => luminaire.position.distance(point),
             Light::Directional { .. } => f64::INFINITY,
@@ -115,7 +129,9 @@ fn from_source(source: &Source, facet: &Facet, to: DVec3, u: [f64; 2]) -> Option
         }
         shape => {
             let (flat, area) = flat(shape)?;
-            if distance(shape, to) < NEAR * (flat.u.length() + flat.v.length()) {
+            let height = flat.normal.dot(to - flat.centre);
+            // Where the flux of places on the light would exceed that of directions.
+            if area * height > PI * distance(shape, to).powi(3) {
                 near(shape, facet, to, u)?
             } else {
                 let (from, normal) = (on_flat(shape, u)?, flat.normal);
@@ -129,16 +145,24 @@ fn from_source(source: &Source, facet: &Facet, to: DVec3, u: [f64; 2]) -> Option
     (direction.dot(normal) > 0.0).then(|| (leaving(source, from, normal, direction), direction, across))
 }
 
-/// The place on a flat light in a direction from a facet, of both its sides, distributed as the cosine; and the solid angle times the
-/// cosine over the density, over the cosine that will be counted.
+/// The place on a flat light in a direction from a facet, of both its sides where the light is on both, distributed as the cosine; and the
+/// irradiance across the direction over the density.
 fn near(shape: &Shape, facet: &Facet, to: DVec3, [s, t]: [f64; 2]) -> Option<(DVec3, DVec3, f64)> {
     let (flat, _) = flat(shape)?;
-    let (side, s) = if s < 0.5 { (facet.normal, 2.0 * s) } else { (-facet.normal, 2.0 * s - 1.0) };
+    let height = facet.normal.dot(flat.centre - to);
+    let extent = facet.normal.dot(flat.u).abs() + facet.normal.dot(flat.v).abs();
+    let (side, s, sides) = if height.abs() >= extent {
+        (facet.normal * height.signum(), s, 1.0)
+    } else if s < 0.5 {
+        (facet.normal, 2.0 * s, 2.0)
+    } else {
+        (-facet.normal, 2.0 * s - 1.0, 2.0)
+    };
     let back = cosine_hemisphere(side, [s, t]);
     let distance = flat.normal.dot(flat.centre - to) / flat.normal.dot(back);
     let from = to + back * distance;
     let within = distance > 0.0 && is_within(shape, from);
-    within.then(|| (from, flat.normal, TAU / back.dot(side).max(f64::MIN_POSITIVE)))
+    within.then(|| (from, flat.normal, sides * PI / back.dot(side).max(f64::MIN_POSITIVE)))
 }
 
 fn is_within(shape: &Shape, point: DVec3) -> bool {
@@ -194,6 +218,14 @@ fn place(shape: &Shape, target: &Ball, u: [f64; 2]) -> Option<(DVec3, DVec3, f64
 /// The ray that leaves a light.
 fn leaving(source: &Source, from: DVec3, normal: DVec3, direction: DVec3) -> Ray {
     SurfacePoint::new(single(from), single(normal)).on(source.primitive).ray(single(direction))
+}
+
+/// The distance below which facets aren't cut any finer.
+fn near_distance(shape: &Shape) -> f64 {
+    match shape {
+        Shape::Sphere { radius, .. } => NEAR * radius,
+        shape => flat(shape).map_or(0.0, |(flat, _)| NEAR * (flat.u.length() + flat.v.length())),
+    }
 }
 
 /// How near a light comes to a point, at least.

@@ -8,7 +8,7 @@ use super::aim::{Aim, Lamp};
 use super::points::{Points, Purpose};
 use super::target::{Body, Facet, Target};
 use super::trace::Surroundings;
-use crate::direct::Light;
+use crate::direct::{Light, Scratch};
 use crate::geometry::Hit;
 
 /// Facets are divided until they are smaller than this part of their distance from the light, so often at most, and into so many parts of
@@ -19,11 +19,10 @@ const MOST_PARTS: usize = 1 << 18;
 
 /// How many trial rays a target is explored by, and each of its parts at least and at most.
 const TRIALS: usize = 1 << 16;
-const TRIALS_OF_PART: [usize; 2] = [2, 16];
+const TRIALS_OF_PART: [usize; 2] = [3, 15];
 
-/// What parts that were hidden in all trials, or received nothing, are taken to receive: of their unhindered light, and of the mean.
-const HIDDEN: f64 = 1.0 / 16.0;
-const DARK: f64 = 1.0 / 64.0;
+/// What parts are taken to receive at least, of the mean: light may reach other places of them than those looked at.
+const DARK: f64 = 1.0 / 8.0;
 
 /// Attempts that tell how much flux a beam has, and more of them if none met its target.
 const PILOT: u32 = 2048;
@@ -108,7 +107,7 @@ impl Beam {
             let mut squares = vec![([0.0; 2], 1.0, 0)];
             while let Some(([x, y], size, divisions)) = squares.pop() {
                 let half: f64 = size / 2.0;
-                let distance = lamp.distance(facet.at([x + half, y + half])) - facet.diameter(half);
+                let distance = lamp.scale(facet.at([x + half, y + half])) - facet.diameter(half);
                 let small = facet.diameter(size) <= LARGEST_PART * distance;
                 if small || divisions == MOST_DIVISIONS || self.parts.len() + squares.len() >= MOST_PARTS {
                     self.parts.push(Part { facet: number, low: [x as f32, y as f32], size: size as f32, area: 0.0 });
@@ -131,18 +130,25 @@ impl Beam {
     ) {
         let [least, most] = TRIALS_OF_PART;
         let trials = (TRIALS / self.parts.len().max(1)).clamp(least, most);
-        let received = |(number, part): (usize, &Part)| {
+        let mut scratch = Scratch::default();
+        let mut received = |(number, part): (usize, &Part)| {
             let facet = &facets[part.facet as usize];
-            let mut sum = 0.0;
+            let unhindered = lamp.irradiance(facet, facet.at(part.within([0.5; 2])), &mut scratch);
+            let (mut all, mut met) = (0.0, 0.0);
             for trial in 0..trials {
                 let [s, t, p, q] = points.place(u32::try_from(number * trials + trial).unwrap_or(u32::MAX));
-                let Some(aim) = lamp.to_facet(facet, facet.at(part.within([s, t])), [p, q]) else { continue };
-                let met = matches!(reach(aim, target, around), Attempt::Met(..));
-                sum += aim.flux * if met { 1.0 } else { HIDDEN };
+                let Some(aim) = lamp.aim_at_facet(facet, facet.at(part.within([s, t])), [p, q]) else { continue };
+                all += aim.flux;
+                if matches!(reach(aim, target, around), Attempt::Met(..)) {
+                    met += aim.flux;
+                }
             }
-            facet.area * f64::from(part.size).powi(2) * (sum / trials as f64)
+            // As if one more had met it: what is hidden in all trials may be seen the next time.
+            let one = all / trials as f64;
+            let seen = if all > 0.0 { (met + one) / (all + one) } else { 1.0 };
+            facet.area * f64::from(part.size).powi(2) * unhindered * seen
         };
-        let mut weights: Vec<f64> = self.parts.iter().enumerate().map(received).collect();
+        let mut weights: Vec<f64> = self.parts.iter().enumerate().map(&mut received).collect();
         let areas: Vec<f64> =
             self.parts.iter().map(|p| facets[p.facet as usize].area * f64::from(p.size).powi(2)).collect();
         let (flux, area) = (weights.iter().sum::<f64>(), areas.iter().sum::<f64>());
@@ -208,7 +214,7 @@ impl Beam {
     ) -> Attempt {
         let u = points.place(index);
         let aim = match &target.body {
-            Body::Ball(ball) => lamp.to_ball(ball, u),
+            Body::Ball(ball) => lamp.aim_at_ball(ball, u),
             Body::Facets(facets) => self.to_parts(facets, lamp, target, u),
         };
         let Some(aim) = aim else { return Attempt::None };
@@ -230,7 +236,7 @@ impl Beam {
         let (part, until) = (self.parts.get(number)?, self.cumulative.get(number)?);
         let facet = facets.get(part.facet as usize)?;
         let rest = ((place - before) / (until - before)).clamp(0.0, 1.0);
-        let aim = lamp.to_facet(facet, facet.at(part.within([rest, t])), [p, q])?;
+        let aim = lamp.aim_at_facet(facet, facet.at(part.within([rest, t])), [p, q])?;
         let front = facet.normal.dot(aim.ray.direction.as_dvec3()) < 0.0;
         (target.side(front) > 0.0).then_some(Aim { flux: aim.flux * part.area, ..aim })
     }
@@ -250,7 +256,7 @@ impl Part {
 
 /// Traces a ray to its target.
 fn reach(aim: Aim, target: &Target, around: &Surroundings<'_>) -> Attempt {
-    match around.world.closest_hit(&aim.ray) {
+    match around.scene.world().closest_hit(&aim.ray) {
         Some(hit) if hit.primitive == aim.primitive && target.side(hit.front) > 0.0 => Attempt::Met(aim, hit),
         _ => Attempt::Missed,
     }

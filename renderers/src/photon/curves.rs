@@ -189,10 +189,25 @@ fn misfit([first, middle, last]: [&[Scattered]; 3]) -> Misfit {
             (one, other) => strange += one.or(other).map_or(0.0, |s| s.photon.flux),
         }
     });
-    let nine_of_ten = distances.len() * 9 / 10;
-    let distance =
-        if distances.is_empty() { 0.0 } else { *distances.select_nth_unstable_by(nine_of_ten, f32::total_cmp).1 };
-    Misfit { distance, strange: if total > 0.0 { strange / total } else { 0.0 } }
+    Misfit { distance: of_nine_in_ten(&mut distances), strange: if total > 0.0 { strange / total } else { 0.0 } }
+}
+
+/// How far nine of ten photons move at most between two wavelengths at which they were thrown.
+pub(crate) fn shift(first: &[Scattered], last: &[Scattered]) -> f32 {
+    let mut distances = Vec::new();
+    pair_up(first, last, |a, b| {
+        if let (Some(a), Some(b)) = (a, b) {
+            let [a, b] = [a, b].map(|s| glam::Vec3A::from_array(s.photon.position));
+            distances.push(a.distance(b));
+        }
+    });
+    of_nine_in_ten(&mut distances)
+}
+
+/// What nine of ten numbers don't exceed; 0 if there are none.
+fn of_nine_in_ten(distances: &mut [f32]) -> f32 {
+    let place = distances.len() * 9 / 10;
+    if distances.is_empty() { 0.0 } else { *distances.select_nth_unstable_by(place, f32::total_cmp).1 }
 }
 
 /// The share of flux that may correspond to nothing in the middle of a stretch, and how often a stretch is halved at most.

@@ -128,6 +128,11 @@ impl Estimate {
         self.near.iter().map(|near| near.photon).zip(self.weights.iter().copied())
     }
 
+    /// The standard error over the value; 0 if nothing was found.
+    pub(crate) fn relative_error(&self) -> f64 {
+        if self.value > 0.0 { self.standard_error / self.value } else { 0.0 }
+    }
+
     /// Notes how bright the photons found are: those from below the horizon of a curved surface are dark.
     fn look(&mut self, map: &PhotonMap, place: &Place<'_>, brightness: impl Fn(&Photon) -> f32) {
         for near in &self.near {

@@ -62,7 +62,7 @@ pub(crate) struct Thrown {
 pub(crate) struct Emission<'s> {
     scene: &'s Whitted,
     materials: Vec<&'s Material>,
-    means: Vec<f64>,
+    pub(super) means: Vec<f64>,
     settings: Settings,
     /// For each shape.
     targets: Vec<Option<Target>>,
@@ -122,12 +122,7 @@ impl<'s> Emission<'s> {
     }
 
     fn around(&self) -> Surroundings<'_> {
-        Surroundings {
-            world: self.scene.world(),
-            materials: &self.materials,
-            means: &self.means,
-            limits: self.settings.limits,
-        }
+        Surroundings { scene: self.scene, materials: &self.materials, means: &self.means, limits: self.settings.limits }
     }
 
     fn lamp(&self, light: usize) -> Option<Lamp<'s>> {
@@ -135,6 +130,7 @@ impl<'s> Emission<'s> {
     }
 
     /// What was found: lights, shapes, fluxes and shares.
+    #[cfg(test)]
     pub(crate) fn beams(&self) -> &[Beam] {
         &self.beams
     }
@@ -164,13 +160,8 @@ impl<'s> Emission<'s> {
         (2.0 * each * self::count(count)) as u64
     }
 
-    /// About how many photons and how many prefixes `count` photons become.
-    pub(crate) const fn yields(&self) -> [f64; 2] {
-        self.yields
-    }
-
     /// Emits photons of which about `count` meet mirrors or glass: each beam has as many as is its part of the flux. All the scene's
-    /// light is in each pass; passes are independent. The result doesn't depend on the number of threads.
+    /// light is in each pass; passes are independent (the three highest numbers are taken). The result doesn't depend on the number of threads.
     pub(crate) fn emit(&self, count: u64, pass: u32, progress: &(dyn Fn(u64) + Sync)) -> Emitted {
         let tasks = self.tasks(count);
         let walks: Vec<Walk<'_, Photon>> = tasks

@@ -22,12 +22,12 @@ pub enum Kernel {
 
 impl Kernel {
     /// All of them.
-    pub(crate) const ALL: [Self; 5] = [Self::Constant, Self::Cone, Self::Epanechnikov, Self::Biweight, Self::Triweight];
+    pub const ALL: [Self; 5] = [Self::Constant, Self::Cone, Self::Epanechnikov, Self::Biweight, Self::Triweight];
 
     /// Its value at the square of a distance from the middle, per area of the unit disk over π; 0 beyond 1 and for NaN, the value in the
     /// middle below 0.
     #[inline]
-    pub(crate) fn value(self, t2: f32) -> f32 {
+    pub fn value(self, t2: f32) -> f32 {
         if !(t2 <= 1.0) {
             return 0.0;
         }
@@ -44,7 +44,7 @@ impl Kernel {
     }
 
     /// ∫ t² K over the disk. A quarter of it, times the Laplacian of the density and the square of the radius, is the bias of an estimate.
-    pub(crate) const fn second_moment(self) -> f64 {
+    pub const fn second_moment(self) -> f64 {
         match self {
             Self::Constant => 1.0 / 2.0,
             Self::Cone => 3.0 / 10.0,
@@ -55,7 +55,7 @@ impl Kernel {
     }
 
     /// π ∫ K² over the disk: the relative variance of an estimate from n photons in the disk is this over n.
-    pub(crate) const fn roughness(self) -> f64 {
+    pub const fn roughness(self) -> f64 {
         match self {
             Self::Constant => 1.0,
             Self::Cone => 3.0 / 2.0,
@@ -66,7 +66,7 @@ impl Kernel {
     }
 
     /// ∫₀ᵗ K(s) s ds / t² for t ≤ 1: the mass within a region around the middle is ∮ of this times x dy − y dx along the region's edge.
-    pub(crate) fn mean_within(self, t2: f64) -> f64 {
+    pub fn mean_within(self, t2: f64) -> f64 {
         (match self {
             Self::Constant => 1.0,
             Self::Cone => 3.0 - 2.0 * t2.sqrt(),
@@ -77,7 +77,7 @@ impl Kernel {
     }
 
     /// The indefinite integral of [`mean_within`](Self::mean_within) over s along a straight line, t² = h² + s², in closed form.
-    pub(crate) fn mean_along(self, h: f64, s: f64) -> f64 {
+    pub fn mean_along(self, h: f64, s: f64) -> f64 {
         let (h2, s2) = (h * h, s * s);
         let squares = s * (h2 + s2 / 3.0);
         let fourth = s * (h2 * h2 + s2 * (h2 * 2.0 / 3.0 + s2 / 5.0));

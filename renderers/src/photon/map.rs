@@ -116,6 +116,7 @@ impl PhotonMap {
     }
 
     /// Whether there are none.
+    #[cfg(test)]
     pub(crate) fn is_empty(&self) -> bool {
         self.photons.is_empty()
     }
@@ -126,6 +127,7 @@ impl PhotonMap {
     }
 
     /// For each photon its index in the list that the map was made of.
+    #[cfg(test)]
     pub(crate) fn origins(&self) -> &[u32] {
         &self.origins
     }

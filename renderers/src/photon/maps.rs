@@ -1,8 +1,9 @@
 //! The photon maps of a scene: one for light that all waves share, and one for each bundle of waves that is asked for.
 
+use alloc::sync::Arc;
 use core::sync::atomic::{AtomicBool, Ordering};
 use std::collections::HashMap;
-use std::sync::{Arc, Mutex, OnceLock};
+use std::sync::{Mutex, OnceLock};
 
 use super::curves::{self, Curves};
 use super::waves::{Bundle, Waves};
@@ -41,12 +42,16 @@ pub struct BandReport {
 pub(crate) struct Maps<'s> {
     scene: &'s Whitted,
     extents: Extents,
-    emission: Emission<'s>,
+    emission: &'s Emission<'s>,
     density: Density,
+    /// What radii are multiplied by: less than 1 where many passes are averaged.
+    shrink: f32,
     waves: Waves,
     even: Thrown,
     prefixes: Vec<Prefix>,
     curves: Option<Interpolated>,
+    /// The width of bands in nm below which photons need not be thrown again.
+    narrowest: f64,
     bands: Bands,
     /// How many photons met mirrors or glass.
     sent: u64,
@@ -95,6 +100,9 @@ const PLACES: usize = 1024;
 /// The last part of a photon's way that is traced again to find what it met, relative to the scene's diagonal.
 const SHORT: f32 = 1e-4;
 
+/// Wavelengths in nm between which glass is as dispersive as anywhere in the visible.
+const MOST_DISPERSIVE: [f64; 2] = [390.0, 410.0];
+
 /// How far, relative to the radius of an estimate, photons may be from where they are thought to be.
 const NEAR: f32 = 0.1;
 
@@ -102,9 +110,9 @@ impl<'s> Maps<'s> {
     /// Makes the maps that are certain to be asked for, of photons that were emitted.
     pub(crate) fn new(
         (data, scene): (&Scene, &'s Whitted),
-        emission: Emission<'s>,
+        emission: &'s Emission<'s>,
         emitted: Emitted,
-        density: Density,
+        (density, shrink): (Density, f32),
         (bundle, rethrow): (Bundle, Rethrow),
     ) -> Self {
         let Emitted { photons, prefixes, spectra, account } = emitted;
@@ -112,32 +120,64 @@ impl<'s> Maps<'s> {
             scene,
             extents: Extents::new(data.shapes.iter().map(|shape| &shape.geometry)),
             density,
+            shrink,
             waves: Waves::new(bundle),
-            even: Thrown::new(photons, Arc::new(spectra), &emission),
+            even: Thrown::new(photons, Arc::new(spectra), emission),
             prefixes,
             curves: None,
+            narrowest: 0.0,
             bands: Bands::default(),
             sent: account.sent,
             account,
             emission,
         };
         if !maps.prefixes.is_empty() {
+            let near = NEAR * maps.usual_radius();
+            maps.narrowest = maps.narrowest(near);
             if rethrow == Rethrow::Interpolated {
-                maps.curves = Some(maps.interpolated());
+                maps.curves = Some(maps.interpolated(near));
             }
             maps.bands.get(WHOLE).thrown(|band| maps.throw(band));
         }
         maps
     }
 
-    /// Throws all paths at as many wavelengths as it takes for interpolation.
-    fn interpolated(&self) -> Interpolated {
-        let mut spectra = (*self.even.spectra).clone();
-        let stride = self.prefixes.len().div_ceil(TRIED);
+    /// Some of the paths, thrown at a wavelength.
+    fn tried(&self, wavelength: f64) -> Vec<Scattered> {
+        let stride = self.prefixes.len().div_ceil(TRIED).max(1);
         let some: Vec<Prefix> = self.prefixes.iter().step_by(stride).copied().collect();
-        let limits = [FIRST_WAVELENGTH, LAST_WAVELENGTH];
-        let tried = |wavelength: f64| sorted(self.emission.throw(&some, |_| wavelength, &mut spectra.clone()).photons);
-        let keys = curves::keys(limits, NEAR * self.usual_radius(), &tried);
+        sorted(self.emission.throw(&some, |_| wavelength, &mut (*self.even.spectra).clone()).photons)
+    }
+
+    /// The width in nm of the band within which nine of ten photons move less than a distance: where glass is the most dispersive.
+    fn narrowest(&self, near: f32) -> f64 {
+        let [first, last] = MOST_DISPERSIVE;
+        let shift = f64::from(curves::shift(&self.tried(first), &self.tried(last)));
+        let width = f64::from(near) * (last - first) / shift;
+        if width.is_finite() {
+            width.min(LAST_WAVELENGTH - FIRST_WAVELENGTH)
+        } else {
+            LAST_WAVELENGTH - FIRST_WAVELENGTH
+        }
+    }
+
+    /// The band itself, or the half, quarter, … of all waves that it is in, if it is so narrow that photons of one map will do for these.
+    fn widened(&self, band: Band) -> Band {
+        let whole = LAST_WAVELENGTH - FIRST_WAVELENGTH;
+        let [from, to] = band.limits;
+        if to == from || to - from >= self.narrowest {
+            return band;
+        }
+        let width = whole / (whole / self.narrowest).log2().floor().max(0.0).exp2();
+        let wavelength = f64::midpoint(from, to);
+        let first = FIRST_WAVELENGTH + width * ((wavelength - FIRST_WAVELENGTH) / width).floor();
+        Band { wavelength: f64::midpoint(first, first + width), limits: [first, first + width] }
+    }
+
+    /// Throws all paths at as many wavelengths as it takes for interpolation.
+    fn interpolated(&self, near: f32) -> Interpolated {
+        let mut spectra = (*self.even.spectra).clone();
+        let keys = curves::keys([FIRST_WAVELENGTH, LAST_WAVELENGTH], near, &|wavelength| self.tried(wavelength));
         let mut thrown = |wavelength: &f64| {
             let photons = self.emission.throw(&self.prefixes, |_| *wavelength, &mut spectra).photons;
             (*wavelength, sorted(photons))
@@ -159,13 +199,13 @@ impl<'s> Maps<'s> {
         let wavelength_of = |path: u32| self.waves.of_path(band, path);
         if let Some(Interpolated { curves, spectra, .. }) = &self.curves {
             let photons = curves.photons(band.limits, wavelength_of);
-            return Thrown::new(photons, Arc::clone(spectra), &self.emission);
+            return Thrown::new(photons, Arc::clone(spectra), self.emission);
         }
         let mut spectra = (*self.even.spectra).clone();
         #[allow(clippy::cast_possible_truncation, reason = "paths have numbers of 32 bits")]
         let thrown = self.emission.throw(&self.prefixes, |path| wavelength_of(path as u32), &mut spectra);
         let photons: Vec<Photon> = thrown.photons.into_iter().map(|s| s.photon).collect();
-        Thrown::new(photons, Arc::new(spectra), &self.emission)
+        Thrown::new(photons, Arc::new(spectra), self.emission)
     }
 
     /// What there is about a hit.
@@ -180,12 +220,29 @@ impl<'s> Maps<'s> {
         }
     }
 
+    /// Estimates the light of a place, and chooses the reach by that.
+    fn reach_in(&self, thrown: &Thrown, place: &Place<'_>, scratch: &mut Estimate) -> Option<Reach> {
+        self.density.estimate(&thrown.map, place, |photon| thrown.worth(photon), scratch);
+        let bias = if scratch.value > 0.0 { scratch.bias / scratch.value } else { 0.0 };
+        let shrink = self.shrink;
+        let reach = Reach { radius: scratch.radius * shrink, bias: bias * f64::from(shrink * shrink) };
+        (reach.radius > 0.0).then_some(reach)
+    }
+
     /// Finds the light that reaches a hit, within a reach if there is one.
     fn find(&self, thrown: &Thrown, hit: &Hit, reach: Option<Reach>, found: &mut Arrived) -> Arc<Spectra> {
         let Thrown { map, spectra, .. } = thrown;
         let (place, scratch, worth) = (self.place(hit), &mut found.scratch, |photon: &Photon| thrown.worth(photon));
         match reach {
-            None => self.density.estimate(map, &place, worth, scratch),
+            None => {
+                let Some(Reach { radius, bias }) = self.reach_in(thrown, &place, scratch) else {
+                    return Arc::clone(spectra);
+                };
+                if self.shrink < 1.0 {
+                    self.density.estimate_within(map, &place, radius, worth, scratch);
+                    scratch.bias = bias * scratch.value;
+                }
+            }
             Some(Reach { radius, bias }) => {
                 self.density.estimate_within(map, &place, radius, worth, scratch);
                 scratch.bias = bias * scratch.value;
@@ -218,7 +275,7 @@ impl<'s> Maps<'s> {
                 let Some(hit) = self.hit(photon) else { continue };
                 self.density.estimate(map, &self.place(&hit), |photon| thrown.worth(photon), &mut estimate);
                 if estimate.value > 0.0 {
-                    let error = estimate.standard_error.hypot(estimate.bias) / estimate.value;
+                    let error = estimate.relative_error().hypot(estimate.bias / estimate.value);
                     squares += error * error;
                     places += 1.0;
                 }
@@ -235,11 +292,6 @@ impl<'s> Maps<'s> {
         let origin = glam::Vec3A::from_array(photon.position) + direction * (SHORT * (high - low).length());
         let hit = world.closest_hit(&Ray::new(origin, -direction))?;
         (surface(hit.shape, hit.front) == photon.surface).then_some(hit)
-    }
-
-    /// The beams, without the photons.
-    pub(crate) fn into_emission(self) -> Emission<'s> {
-        self.emission
     }
 
     /// The maps of bands that were made, wider ones first.
@@ -262,10 +314,6 @@ impl<'s> Maps<'s> {
         &self.account
     }
 
-    pub(crate) const fn emission(&self) -> &Emission<'s> {
-        &self.emission
-    }
-
     /// Bytes of all photons and paths.
     pub(crate) fn bytes(&self) -> usize {
         let bands: usize = self.bands().iter().map(|band| band.bytes).sum();
@@ -283,7 +331,7 @@ fn sorted(mut photons: Vec<Scattered>) -> Vec<Scattered> {
 impl Caustics for Maps<'_> {
     fn arriving(&self, hit: &Hit, band: Option<(Band, Reach)>, found: &mut Arrived) -> Arc<Spectra> {
         let Some((band, reach)) = band else { return self.find(&self.even, hit, None, found) };
-        let slot = self.bands.get(band);
+        let slot = self.bands.get(self.widened(band));
         self.find(slot.thrown(|band| self.throw(band)), hit, Some(reach), found)
     }
 
@@ -294,9 +342,7 @@ impl Caustics for Maps<'_> {
         }
         let slot = self.bands.get(WHOLE);
         let thrown = slot.thrown(|band| self.throw(band));
-        self.density.estimate(&thrown.map, &self.place(hit), |photon| thrown.worth(photon), scratch);
-        let bias = if scratch.value > 0.0 { scratch.bias / scratch.value } else { 0.0 };
-        (scratch.radius > 0.0).then_some(Reach { radius: scratch.radius, bias })
+        self.reach_in(thrown, &self.place(hit), scratch)
     }
 }
 

@@ -20,8 +20,6 @@ mod products;
 mod random;
 mod spectra;
 mod target;
-#[cfg(test)]
-mod tests;
 mod trace;
 mod waves;
 
@@ -34,7 +32,7 @@ pub(crate) use map::PhotonMap;
 pub(crate) use maps::Maps;
 pub use maps::{BandReport, Rethrow};
 pub(crate) use spectra::Spectra;
-pub(crate) use trace::{Limits, Prefix};
+pub(crate) use trace::Prefix;
 pub use waves::Bundle;
 
 /// Light where it met a surface that scatters it.
@@ -67,3 +65,6 @@ pub(crate) struct Scattered {
     /// Which reflections and refractions it took: photons of one path and the same branch, at different wavelengths, correspond to each other.
     pub(crate) branch: u32,
 }
+
+#[cfg(test)]
+mod tests;

@@ -10,10 +10,11 @@ use super::points::{Points, Purpose};
 use super::products::Products;
 use super::{Photon, Scattered, surface};
 use crate::direct::single;
+use crate::geometry::sampling::combine;
 use crate::geometry::{Hit, NO_PRIMITIVE, Ray};
 use crate::material::{Dielectric, Material, mirror_factors};
 use crate::spectral::Factor;
-use crate::whitted::{boundary, mirror_ray, receiver};
+use crate::whitted::{Whitted, boundary, mirror_ray, receiver};
 
 /// Where the likelihood to go on that is the same at all wavelengths is less than this part of what a path's weight asks for, the path's
 /// own counts.
@@ -47,7 +48,7 @@ pub(crate) struct Prefix {
     front: bool,
     planar: bool,
     depth: u16,
-    /// Where the path comes from: the unit vector along which it goes.
+    /// The unit vector along which the path came.
     direction: [f32; 3],
     /// The way through the interior of the shape whose absorption isn't counted yet, in scene units.
     inside: f32,
@@ -69,11 +70,13 @@ pub(crate) struct Prefix {
 
 impl Prefix {
     /// Where the path meets the boundary, in scene units.
+    #[cfg(test)]
     pub(crate) const fn position(&self) -> [f32; 3] {
         self.position
     }
 
     /// Its flux for a spectrum of 1, in the unit of [`Photon::flux`].
+    #[cfg(test)]
     pub(crate) const fn flux(&self) -> f64 {
         self.flux
     }
@@ -161,7 +164,7 @@ struct Share {
 /// What all paths need.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Surroundings<'s> {
-    pub(super) world: &'s crate::geometry::World,
+    pub(super) scene: &'s Whitted,
     /// One for each shape.
     pub(super) materials: &'s [&'s Material],
     /// The mean of each leaf of the palette.
@@ -172,7 +175,7 @@ pub(super) struct Surroundings<'s> {
 impl<'s> Surroundings<'s> {
     /// What the side of a shape that was hit does with light; `None` where it is black.
     pub(super) fn material(&self, hit: &Hit) -> Option<&'s Material> {
-        self.materials.get(hit.shape as usize)?.side(hit.front)
+        self.scene.material(hit)
     }
 
     /// The number that stands for a factor's leaf.
@@ -219,12 +222,14 @@ impl<'s, L: Landing> Walk<'s, L> {
         self.wavelength = None;
         let direction = ray.direction.as_dvec3().normalize_or_zero();
         let Start { flux, product, .. } = start;
-        let state = State { ray, flux, weight: 1.0, guide: 1.0, product, interior: None, depth: 0, branch: ROOT };
         let material = self.around.material(hit);
+        // A light within glass: the way to the boundary is through its interior.
+        let within = !hit.front && matches!(material, Some(Material::Dielectric(_)));
+        let interior = within.then_some(hit.shape);
+        let state = State { ray, flux, weight: 1.0, guide: 1.0, product, interior, depth: 0, branch: ROOT };
         self.account.sent += 1;
         self.account.emitted += start.luminous * material.map_or(0.0, mirrored);
-        // A light within glass: the way to the boundary is through its interior.
-        let inside = if hit.front { 0.0 } else { way(&state, hit) };
+        let inside = if within { way(&state, hit) } else { 0.0 };
         self.meet(hit, direction, state, inside);
         self.follow();
     }
@@ -258,7 +263,7 @@ impl<'s, L: Landing> Walk<'s, L> {
     fn follow(&mut self) {
         while let Some(state) = self.ways.pop() {
             self.account.rays += 1;
-            let Some(hit) = self.around.world.closest_hit(&state.ray) else {
+            let Some(hit) = self.around.scene.world().closest_hit(&state.ray) else {
                 self.account.lost += 1;
                 self.account.escaped += self.luminous(state.weight);
                 continue;
@@ -470,7 +475,7 @@ impl<'s, L: Landing> Walk<'s, L> {
 
 /// The branch that takes a way, 0 for reflection and 1 for refraction.
 const fn branch(from: u32, way: u32) -> u32 {
-    if from < HASHED { from << 1 | way } else { HASHED | crate::geometry::sampling::combine(from, way) }
+    if from < HASHED { from << 1 | way } else { HASHED | combine(from, way) }
 }
 
 /// What light that comes along a direction to a surface counts for where its irradiance is by the shading normal and the flux on its area by

@@ -23,6 +23,8 @@ pub struct PhotonOptions {
     pub bundle: Bundle,
     /// How photons that depend on the wavelength are thrown for a band.
     pub rethrow: Rethrow,
+    /// How often photons are thrown anew, with camera rays of their own; the picture is the mean. Memory is that of one pass.
+    pub passes: u32,
     /// Whether light between surfaces is found, too, in place of the ambient term.
     pub between: bool,
 }
@@ -46,6 +48,7 @@ impl Default for PhotonOptions {
             adaptive: true,
             bundle: Bundle::default(),
             rethrow: Rethrow::default(),
+            passes: 1,
             between: true,
         }
     }
@@ -57,7 +60,7 @@ const MOST_BYTES: u64 = 4 << 30;
 /// The part of the scene's diagonal that the largest distance of an estimate's photons is.
 const RADIUS: f64 = 1.0 / 40.0;
 
-/// What became of the photons, for reports.
+/// What became of the photons of the last pass, for reports.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PhotonReport {
     /// Photons that met mirrors or glass.
@@ -99,7 +102,7 @@ pub struct FluxShares {
 
 impl PhotonReport {
     /// What became of the photons of some maps, which were made in so many seconds.
-    pub(super) fn new(maps: &Maps<'_>, seconds: f64) -> Self {
+    pub(super) fn new(maps: &Maps<'_>, idle_lights: Vec<usize>, seconds: f64) -> Self {
         let (emitted, even, dispersed) = maps.counts();
         let account = maps.account();
         let share = |flux: f64| if account.emitted > 0.0 { flux / account.emitted } else { 0.0 };
@@ -119,53 +122,75 @@ impl PhotonReport {
                 dispersed: share(account.waiting),
                 missing: share(account.missing()),
             },
-            idle_lights: maps.emission().idle_lights(),
+            idle_lights,
         }
     }
 }
 
-/// Throws photons and makes their maps.
-pub(super) fn throw<'s>(
-    (data, scene): (&Scene, &'s Whitted),
-    palette: &Palette,
-    options: &PhotonOptions,
-    seed: u64,
-    watch: &dyn Watch,
-) -> Result<Maps<'s>, RenderError> {
-    let density = density(options, scene)?;
+/// Photons for as many passes as are asked for.
+pub(super) struct Thrower<'s> {
+    scene: (&'s Scene, &'s Whitted),
+    emission: &'s Emission<'s>,
+    density: Density,
+    options: PhotonOptions,
+    count: u64,
+}
+
+/// The beams of a scene.
+pub(super) fn emission<'s>(data: &Scene, scene: &'s Whitted, palette: &Palette, seed: u64) -> Emission<'s> {
     #[allow(clippy::cast_possible_truncation, reason = "a hashed seed")]
     let settings = Settings { seed: (seed ^ (seed >> 32)) as u32, ..Settings::default() };
-    let emission = Emission::new(data, scene, palette, settings);
-    let scene = (data, scene);
-    let ways = (options.bundle, options.rethrow);
-    match options.count {
-        PhotonCount::Count(count) => {
-            check_memory(count, &emission)?;
-            watch.stage("photons", emission.attempts(count));
-            let emitted = emission.emit(count, 0, &|steps| watch.add(steps));
-            Ok(Maps::new(scene, emission, emitted, density, ways))
-        }
-        PhotonCount::Error(error) => {
-            let mut count = TRIAL;
-            watch.stage("trial photons", emission.attempts(count));
-            let mut emitted = emission.emit(count, 0, &|steps| watch.add(steps));
-            let mut emission = emission;
-            loop {
-                let maps = Maps::new(scene, emission, emitted, density, ways);
-                let found = maps.error();
+    Emission::new(data, scene, palette, settings)
+}
+
+impl<'s> Thrower<'s> {
+    /// Finds how many photons a pass has.
+    pub(super) fn new(
+        scene: (&'s Scene, &'s Whitted),
+        emission: &'s Emission<'s>,
+        options: &PhotonOptions,
+        watch: &dyn Watch,
+    ) -> Result<Self, RenderError> {
+        let density = density(options, scene.1)?;
+        let mut thrower = Self { scene, emission, density, options: *options, count: TRIAL };
+        match options.count {
+            PhotonCount::Count(count) => thrower.count = count,
+            PhotonCount::Error(error) => loop {
+                let found = thrower.pass(0, watch).error();
                 if !(found > error) {
-                    return Ok(maps);
+                    break;
                 }
-                let next = more(count, found / error);
-                emission = maps.into_emission();
-                check_memory(next, &emission)?;
-                count = next;
-                watch.stage("photons", emission.attempts(count));
-                emitted = emission.emit(count, 0, &|steps| watch.add(steps));
-            }
+                thrower.count = more(thrower.count, found / error);
+                check_memory(thrower.count, emission)?;
+            },
         }
+        check_memory(thrower.count, emission)?;
+        Ok(thrower)
+    }
+
+    /// Lights that see no mirror or glass.
+    pub(super) fn idle_lights(&self) -> Vec<usize> {
+        self.emission.idle_lights()
+    }
+
+    pub(super) fn passes(&self) -> u32 {
+        self.options.passes.max(1)
+    }
+
+    /// The maps of a pass, independent of those of all others. The squares of their radii go down such that the mean over all passes
+    /// converges (Knaus and Zwicker 2011, equation 12): r²ₙ₊₁ = r²ₙ (n + α)/(n + 1).
+    pub(super) fn pass(&self, pass: u32, watch: &dyn Watch) -> Maps<'s> {
+        watch.stage("photons", self.emission.attempts(self.count));
+        let emitted = self.emission.emit(self.count, pass, &|steps| watch.add(steps));
+        let shrink = (1..=pass).map(|n| (f64::from(n) + SHRINKING) / (f64::from(n) + 1.0)).product::<f64>().sqrt();
+        #[allow(clippy::cast_possible_truncation, reason = "as precise as radii")]
+        let density = (self.density, shrink as f32);
+        Maps::new(self.scene, self.emission, emitted, density, (self.options.bundle, self.options.rethrow))
     }
 }
+
+/// How slowly radii go down: α of Knaus and Zwicker, for which variance and squared bias go down alike.
+const SHRINKING: f64 = 2.0 / 3.0;
 
 /// Photons of a trial.
 const TRIAL: u64 = 1 << 15;

@@ -274,6 +274,11 @@ impl<'s> Worker<'s> {
         self.samples = 0;
     }
 
+    /// The next camera ray is the one with this number.
+    pub(crate) const fn skip_samples(&mut self, first: u32) {
+        self.samples = first;
+    }
+
     /// Adds the radiance seen at a film position in pixels, times a weight: the next of the pixel's camera rays.
     #[allow(clippy::cast_possible_truncation, reason = "film positions are f32")]
     pub fn sample(&mut self, x: f64, y: f64, weight: f64, radiance: &mut Radiance) {

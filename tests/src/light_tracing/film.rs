@@ -15,6 +15,9 @@ use super::{Balance, Landing, LightTracer, TraceError, random, single};
 /// Wavelengths that a particle carries.
 const WAVES: usize = 8;
 
+/// The golden section: multiples of it are spread evenly over the unit interval.
+const GOLDEN: f64 = 0.618_033_988_749_894_9;
+
 /// A picture of caustics seen directly, which every batch of particles makes better: paths L S⁺ D E.
 ///
 /// Light that comes to the first diffuse surface (D) by way of one or more mirrors and boundaries of glass (S⁺) is connected to the eye by a
@@ -87,7 +90,9 @@ impl<'t> Film<'t> {
 
     /// The picture of one batch alone.
     fn batch(&self, number: u64) -> Result<(Vec<[f64; 3]>, Balance), TraceError> {
-        let place = random(!self.seed, number).unit();
+        // Batches share the spectrum out among them evenly: with wavelengths at random, all pixels' colours would be off together.
+        #[allow(clippy::cast_precision_loss, reason = "batches are few")]
+        let place = (random(!self.seed, 0).unit() + GOLDEN * number as f64).fract();
         let waves = self.chooser.waves::<WAVES>(self.tracer.scene, place)?;
         let mut pixels = vec![[0.0; 3]; self.pixels.len()];
         let balance = self.tracer.batch(&waves, [self.seed, number], |landing: &Landing<WAVES>| {
