@@ -144,8 +144,7 @@ impl<'s> Maps<'s> {
 
     /// Some of the paths, thrown at a wavelength.
     fn tried(&self, wavelength: f64) -> Vec<Scattered> {
-        let stride = self.prefixes.len().div_ceil(TRIED).max(1);
-        let some: Vec<Prefix> = self.prefixes.iter().step_by(stride).copied().collect();
+        let some: Vec<Prefix> = self.prefixes.iter().step_by(self.stride()).copied().collect();
         sorted(self.emission.throw(&some, |_| wavelength, &mut (*self.even.spectra).clone()).photons)
     }
 
@@ -186,12 +185,17 @@ impl<'s> Maps<'s> {
         Interpolated { keys, curves, spectra: Arc::new(spectra) }
     }
 
-    /// About the radius of an estimate where there are photons.
+    /// About the radius of an estimate where there are photons: that of some of them, among which photons are farther apart.
+    #[allow(clippy::cast_precision_loss, reason = "as precise as radii")]
     fn usual_radius(&self) -> f32 {
-        let mut spectra = (*self.even.spectra).clone();
-        let thrown = self.emission.throw(&self.prefixes, |_| WHOLE.wavelength, &mut spectra);
-        let map = PhotonMap::new(thrown.photons.into_iter().map(|s| s.photon).collect());
-        self.density.usual_radius(&map)
+        let some = self.tried(WHOLE.wavelength);
+        let map = PhotonMap::new(some.into_iter().map(|s| s.photon).collect());
+        self.density.usual_radius(&map) / (self.stride() as f32).sqrt()
+    }
+
+    /// One path in so many is tried.
+    fn stride(&self) -> usize {
+        self.prefixes.len().div_ceil(TRIED).max(1)
     }
 
     /// The photons of a band.

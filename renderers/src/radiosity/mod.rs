@@ -211,7 +211,11 @@ impl Radiosity {
         progress: &(dyn Fn(f64) + Sync),
     ) -> Result<Self, RadiosityError> {
         let mut patches = Patches::new(scene, settings.others, palette)?;
-        if patches.roots == 0 && !mesh::is_diffuse_somewhere(scene) {
+        let is_idle = |node: &mesh::Node| {
+            let side = &patches.sides[node.side as usize];
+            side.mirror && side.emission.is_none()
+        };
+        if patches.nodes[..patches.roots].iter().all(is_idle) && !mesh::is_diffuse_somewhere(scene) {
             return Err(RadiosityError::NothingDiffuse);
         }
         let sources = Source::all(scene, palette)?;

@@ -16,6 +16,9 @@ use crate::whitted::{Whitted, Worker};
 
 /// Rays of a gather for a group: errors of groups cancel in later gathers.
 const GROUP_RAYS: u32 = 256;
+/// Gathers for groups where there are mirrors or glass, which the patches' solution has only roughly: each corrects what is one reflection
+/// further away. Without them, one is enough.
+const SPECULAR_ROUNDS: u32 = 5;
 
 /// What parts of patches receive, free of wavelength.
 pub(super) struct Reflection {
@@ -26,7 +29,9 @@ pub(super) struct Reflection {
     lights: Vec<Factor>,
     /// For each group of parts, the parts that rays from its middle find.
     found: Vec<Vec<Found>>,
-    /// Whether these find lamps by way of mirrors and glass.
+    /// How often what groups receive is gathered.
+    rounds: u32,
+    /// Whether rays find lamps by way of mirrors and glass.
     lamps: bool,
     /// What else comes from lights.
     landed: Landed,
@@ -69,13 +74,14 @@ impl Reflection {
             direct: lookup.parts.par_iter().map_init(|| Worker::new(whitted, FactorOrder::Free), of_part).collect(),
             lights: whitted.light_factors().collect(),
             found: lookup.groups.par_iter().map(of_group).collect(),
+            rounds: if rays.specular.is_some() { SPECULAR_ROUNDS } else { 1 },
             lamps: rays.lamps,
             landed,
         }
     }
 
     /// The radiosity of each part of a patch: what it reflects of direct light, as it is in its middle, and of what its group receives from
-    /// all others. That is gathered once more, since patches of one radiosity spread light into the shadows of contacts.
+    /// all others. That is gathered again, since patches of one radiosity spread light into the shadows of contacts.
     pub(super) fn radiosity(&self, solution: &Solution<'_>, lookup: &Lookup) -> Vec<f64> {
         let (radiosity, width) = (solution.radiosity, solution.width());
         let of_node = |node: u32| &solution.nodes[node as usize * width..][..width];
@@ -95,23 +101,46 @@ impl Reflection {
                 for (number, leaf) in transport.leaves.iter().enumerate() {
                     numbers[*leaf as usize] = number;
                 }
+                let straight = self.caustics(solution, lookup);
                 let mut once = self.reflected(solution, lookup, &whole, |part| {
-                    &between[numbers[part.node as usize] * width..][..width]
+                    let mut row = between[numbers[part.node as usize] * width..][..width].to_vec();
+                    let more = straight.get(part.group as usize * width..).unwrap_or_default();
+                    row.iter_mut().zip(more).for_each(|(r, m)| *r += m);
+                    row
                 });
-                self.add_lamps(solution, &mut once);
-                let of_group = |found: &Vec<Found>| added_up(found, &once, solution.representation());
-                let again: Vec<f64> = self.found.par_iter().flat_map_iter(of_group).collect();
-                self.reflected(solution, lookup, &whole, |part| &again[part.group as usize * width..][..width])
+                for _ in 0..self.rounds {
+                    self.add_lamps(solution, &mut once);
+                    let of_group = |found: &Vec<Found>| added_up(found, &once, solution.representation());
+                    let again: Vec<f64> = self.found.par_iter().flat_map_iter(of_group).collect();
+                    once = self.reflected(solution, lookup, &whole, |part| {
+                        again[part.group as usize * width..][..width].to_vec()
+                    });
+                }
+                once
             }
             Some(1) => {
-                let nothing = vec![0.0; width];
-                self.reflected(solution, lookup, &whole, |_| &nothing)
+                let straight = self.caustics(solution, lookup);
+                self.reflected(solution, lookup, &whole, |part| {
+                    let row = straight.get(part.group as usize * width..).unwrap_or_default().iter();
+                    row.copied().chain(core::iter::repeat(0.0)).take(width).collect()
+                })
             }
             // What a limited number of reflections leaves is known for whole patches only.
             Some(_) => whole,
         };
         self.add_lamps(solution, &mut found);
         found
+    }
+
+    /// What groups of parts receive from lamps by way of mirrors and glass, row by row; nothing at all where rays don't find that.
+    fn caustics(&self, solution: &Solution<'_>, lookup: &Lookup) -> Vec<f64> {
+        if !self.lamps {
+            return Vec::new();
+        }
+        let mut rows = vec![0.0; lookup.parts.len() * solution.width()];
+        self.add_lamps(solution, &mut rows);
+        let of_group = |found: &Vec<Found>| added_up(found, &rows, solution.representation());
+        self.found.par_iter().flat_map_iter(of_group).collect()
     }
 
     /// After the parts, what sides send out by themselves, where rays find that.
@@ -122,20 +151,21 @@ impl Reflection {
     }
 
     /// What parts reflect of direct light and of other light.
-    fn reflected<'o>(
+    fn reflected(
         &self,
         solution: &Solution<'_>,
         lookup: &Lookup,
         whole: &[f64],
-        other: impl Fn(&Part) -> &'o [f64] + Sync,
+        other: impl Fn(&Part) -> Vec<f64> + Sync,
     ) -> Vec<f64> {
         let (representation, width) = (solution.representation(), solution.width());
         let patches = &solution.radiosity.patches;
         let lights: Vec<Vec<f64>> = self.lights.iter().map(|factor| light(representation, *factor)).collect();
         let landed = self.landed.rows(representation);
-        let of_part = |(number, ((part, direct), whole)): (usize, ((&Part, &Option<Vec<f64>>), &[f64]))| {
-            let Some(factors) = direct else { return whole.to_vec() };
-            let mut row = other(part).to_vec();
+        let of_part = |number: usize| {
+            let (part, direct) = (&lookup.parts[number], &self.direct[number]);
+            let Some(factors) = direct else { return whole[number * width..][..width].to_vec() };
+            let mut row = other(part);
             for (factor, spectrum) in factors.iter().zip(&lights) {
                 row.iter_mut().zip(spectrum).for_each(|(r, s)| *r += factor * s);
             }
@@ -144,8 +174,7 @@ impl Reflection {
             representation.reflect(patches.sides[side as usize].reflectance, &mut row);
             row
         };
-        let parts = lookup.parts.par_iter().zip(&self.direct).zip(whole.par_chunks(width));
-        parts.enumerate().flat_map_iter(of_part).collect()
+        (0..lookup.parts.len()).into_par_iter().flat_map_iter(of_part).collect()
     }
 }
 
