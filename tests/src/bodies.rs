@@ -54,3 +54,12 @@ pub fn prism(prism: Prism, length: f64) -> String {
     }
     text + "f 1 3 2\nf 4 5 6\nf 1 2 5 4\nf 2 3 6 5\nf 3 1 4 6\n"
 }
+
+/// A horizontal square of half side 1.5 that sees up and is shaded as if it were tilted.
+#[must_use]
+pub fn tilted_square() -> String {
+    let (x, y) = (0.4_f64.sin(), 0.4_f64.cos());
+    let corners = [(-1.5, -1.5), (-1.5, 1.5), (1.5, 1.5), (1.5, -1.5)];
+    let vertices: String = corners.iter().map(|(a, b)| format!("v {a} 0 {b}\nvn {x} {y} 0\n")).collect();
+    vertices + "f 1//1 2//2 3//3\nf 1//1 3//3 4//4\n"
+}

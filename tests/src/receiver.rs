@@ -140,9 +140,7 @@ impl Irradiance {
     pub fn flux_within(&self, radius: f64) -> [f64; 3] {
         const FINE: u32 = 16;
         self.sum(|column, row| {
-            let at = |number: usize, part: u32| {
-                self.place(count(number) + (f64::from(part) + 0.5) / f64::from(FINE))
-            };
+            let at = |number: usize, part: u32| self.place(count(number) + (f64::from(part) + 0.5) / f64::from(FINE));
             let points = (0..FINE).flat_map(|a| (0..FINE).map(move |b| (a, b)));
             let inside = points.filter(|(a, b)| at(column, *a).hypot(at(row, *b)) <= radius).count();
             count(inside) / f64::from(FINE * FINE)

@@ -10,7 +10,7 @@ use renderers::render::{Options, Renderer, Rendering, Spectra};
 use renderers::scene::{Integrator, Scene, Source, load};
 use spectral_core::colour::rgb::linear_rgb_to_xyz;
 use spectral_core::dispersion::{Dispersion, Glass};
-use spectral_tests::bodies::{self, hemisphere};
+use spectral_tests::bodies::{self, hemisphere, tilted_square};
 use spectral_tests::comparisons::Comparisons;
 use spectral_tests::light_tracing::{Aim, Estimate, Film, Grid, Landing, LightTracer, TraceError, Waves};
 use spectral_tests::snell::{Focus, Lens, Plate, Prism, Way, refracted};
@@ -433,14 +433,6 @@ fn ball(bsdf: &str) -> String {
     format!(
         "<shape type='sphere'><point name='center' x='0' y='1.5' z='0'/><float name='radius' value='1.2'/>{bsdf}</shape>"
     )
-}
-
-/// A horizontal square of half side 1.5 that sees up and is shaded as if it were tilted.
-fn tilted_square() -> String {
-    let (x, y) = (0.4_f64.sin(), 0.4_f64.cos());
-    let corners = [(-1.5, -1.5), (-1.5, 1.5), (1.5, 1.5), (1.5, -1.5)];
-    let vertices: String = corners.iter().map(|(a, b)| format!("v {a} 0 {b}\nvn {x} {y} 0\n")).collect();
-    vertices + "f 1//1 2//2 3//3\nf 1//1 3//3 4//4\n"
 }
 
 /// `independent`: what path tracing from the eye finds of these paths is what light tracing does.

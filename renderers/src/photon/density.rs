@@ -234,7 +234,7 @@ impl Density {
             let point = face.place(place.position);
             if radius > face.clearance(point) { face.mass(self.kernel, point, radius) } else { 1.0 }
         });
-        self.weigh(estimate, mass, radius);
+        self.weigh(estimate, mass, radius * radius);
     }
 
     /// The distance within which half of the photons have as many others as an estimate takes at most, in scene units: by some of them.

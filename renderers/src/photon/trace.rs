@@ -269,9 +269,15 @@ impl<'s, L: Landing> Walk<'s, L> {
                 continue;
             };
             let direction = state.ray.direction.as_dvec3().normalize_or_zero();
+            let length = way(&state, &hit);
+            // What is left from inside is the medium, whatever was entered before: there may be bodies in bodies.
+            if !hit.front && matches!(self.around.material(&hit), Some(Material::Dielectric(_))) {
+                self.meet(&hit, direction, state, length);
+                continue;
+            }
             let medium = state.interior.and_then(|shape| self.around.materials.get(shape as usize));
             let state = match medium {
-                Some(Material::Dielectric(medium)) => self.absorbed(state, medium, way(&state, &hit)),
+                Some(Material::Dielectric(medium)) => self.absorbed(state, medium, length),
                 _ => state,
             };
             self.meet(&hit, direction, state, 0.0);
@@ -415,7 +421,8 @@ impl<'s, L: Landing> Walk<'s, L> {
             let product = self.products.times(state.product, factor.leaf);
             (State { ray, product, interior, ..state }, share)
         };
-        let mirrored = way(*reflectance, reflected, at_d, mirror_ray(hit, direction), state.interior);
+        let interior = if hit.front { state.interior } else { Some(hit.shape) };
+        let mirrored = way(*reflectance, reflected, at_d, mirror_ray(hit, direction), interior);
         let through = onward.map(|onward| {
             let interior = hit.front.then_some(hit.shape);
             way(*transmittance, 1.0 - reflected, 1.0 - at_d, hit.point().ray(single(onward)), interior)
