@@ -121,7 +121,19 @@ fn the_answer_has_its_keys() {
     keys.sort_unstable();
     assert_eq!(
         keys,
-        ["bands", "bytes", "delta_e", "dispersed_paths", "emitted", "flux", "idle_lights", "keys_nm", "kept", "notes", "seconds"]
+        [
+            "bands",
+            "bytes",
+            "delta_e",
+            "dispersed_paths",
+            "emitted",
+            "flux",
+            "idle_lights",
+            "keys_nm",
+            "kept",
+            "notes",
+            "seconds"
+        ]
     );
     assert!(map["dispersed_paths"].as_u64().unwrap() > 1000 && map["bytes"].as_u64().unwrap() > 10_000);
     let bands = map["bands"].as_array().unwrap();
@@ -139,7 +151,14 @@ fn the_answer_has_its_keys() {
 
 fn picture(scene: &Scene, spectra: Spectra, threads: usize) -> Rendering {
     let photons = PhotonOptions { count: PhotonCount::Count(20_000), between: false, ..PhotonOptions::default() };
-    let options = Options { renderer: Renderer::PhotonMap, spectra, size: Some([32; 2]), samples: Some(2), photons, ..Options::default() };
+    let options = Options {
+        renderer: Renderer::PhotonMap,
+        spectra,
+        size: Some([32; 2]),
+        samples: Some(2),
+        photons,
+        ..Options::default()
+    };
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
     pool.install(|| render(scene, &options, &|_| {})).unwrap()
 }
@@ -157,7 +176,10 @@ fn pictures_do_not_depend_on_threads() {
         assert!(one.picture == three.picture && one.intervals == three.intervals, "{name}");
         assert!(one.photon_delta_e == three.photon_delta_e && one.delta_e == three.delta_e, "{name}");
         let [one, three] = [one, three].map(|r| r.photons.unwrap());
-        assert_eq!((one.emitted, one.even, one.dispersed, one.flux), (three.emitted, three.even, three.dispersed, three.flux));
+        assert_eq!(
+            (one.emitted, one.even, one.dispersed, one.flux),
+            (three.emitted, three.even, three.dispersed, three.flux)
+        );
         assert_eq!((one.bands, one.keys), (three.bands, three.keys), "{name}");
     }
 }

@@ -46,7 +46,7 @@ impl Bench {
     }
 
     /// Blockers close to the left face leave the slit open.
-    fn scene(&self) -> Scene {
+    fn scene(&self, light: &str) -> Scene {
         let direction = self.incidence - self.apex / 2.0;
         let way = DVec3::new(direction.cos(), direction.sin(), 0.0);
         // Along the plane of the slit, across the beam.
@@ -71,7 +71,7 @@ impl Bench {
             )
         };
         let body = format!(
-            "<emitter type='directional'><vector name='direction' x='{}' y='{}' z='0'/><spectrum name='irradiance' value='1'/></emitter>
+            "<emitter type='directional'><vector name='direction' x='{}' y='{}' z='0'/><spectrum name='irradiance' value='{light}'/></emitter>
             <shape type='obj'><string name='filename' value='prism.obj'/><boolean name='face_normals' value='true'/>
             <bsdf type='dielectric'><string name='int_ior' value='{GLASS}'/><float name='ext_ior' value='1'/></bsdf></shape>{}{}",
             way.x,
@@ -123,26 +123,46 @@ fn roughness(profile: &[[f64; 3]]) -> f64 {
 }
 
 fn distance(a: &[[f64; 3]], b: &[[f64; 3]]) -> f64 {
-    let squares = |a: &[[f64; 3]], b: &[[f64; 3]]| a.iter().zip(b).map(|(a, b)| (0..3).map(|c| (a[c] - b[c]).powi(2)).sum::<f64>()).sum::<f64>();
+    let squares = |a: &[[f64; 3]], b: &[[f64; 3]]| {
+        a.iter().zip(b).map(|(a, b)| (0..3).map(|c| (a[c] - b[c]).powi(2)).sum::<f64>()).sum::<f64>()
+    };
     (squares(a, b) / squares(b, &vec![[0.0; 3]; b.len()])).sqrt()
 }
 
 #[test]
 fn no_bands_show_in_a_prisms_spectrum() {
     let bench = Bench::new();
-    let scene = bench.scene();
+    let scene = bench.scene("1");
     let side = 96;
     let truth = bench.truth(side);
     println!("truth roughness {:.3e}", roughness(&truth));
     for bundle in [Bundle::Continuous, Bundle::Single] {
         for (count, radius) in [(100_000, 0.02), (400_000, 0.02), (100_000, 0.05)] {
             let t = std::time::Instant::now();
-            let photons = PhotonOptions { count: PhotonCount::Count(count), bundle, radius: Some(radius), nearest: 100, ..PhotonOptions::default() };
+            let photons = PhotonOptions {
+                count: PhotonCount::Count(count),
+                bundle,
+                radius: Some(radius),
+                nearest: 100,
+                ..PhotonOptions::default()
+            };
             let (map, report) = bench.receiver.caustics(&scene, &options(photons, side)).unwrap();
             let profile = map.profile(&(-0.5..0.5));
-            println!("{bundle:?} {count} {radius} {:.1} s rough {:.3e} distance {:.4} flux {:?} bands {} disp {}", t.elapsed().as_secs_f64(), roughness(&profile), distance(&profile, &truth), map.flux_in(&(-1.0..1.0), &(-0.5..0.5)), report.bands.len(), report.dispersed);
+            println!(
+                "{bundle:?} {count} {radius} {:.1} s rough {:.3e} distance {:.4} flux {:?} bands {} disp {}",
+                t.elapsed().as_secs_f64(),
+                roughness(&profile),
+                distance(&profile, &truth),
+                map.flux_in(&(-1.0..1.0), &(-0.5..0.5)),
+                report.bands.len(),
+                report.dispersed
+            );
             if count == 100_000 && radius == 0.02 {
-                for (k, (p, t)) in profile.iter().zip(&truth).enumerate() { if k % 2 == 0 { println!("{k} {:.4?} {:.4?}", p, t); } }
+                for (k, (p, t)) in profile.iter().zip(&truth).enumerate() {
+                    if k % 2 == 0 {
+                        println!("{k} {:.4?} {:.4?}", p, t);
+                    }
+                }
             }
         }
     }
@@ -155,7 +175,12 @@ fn interpolated_photons_are_those_that_are_traced() {
         let scene = builtin::load(name, &parameters).unwrap();
         let picture = |rethrow, seed| {
             let photons = PhotonOptions { count: PhotonCount::Count(30_000), rethrow, ..PhotonOptions::default() };
-            let options = Options { seed: Some(seed), spectra: Spectra::Uniform(20), renderer: renderers::render::Renderer::PhotonMap, ..options(photons, 48) };
+            let options = Options {
+                seed: Some(seed),
+                spectra: Spectra::Uniform(20),
+                renderer: renderers::render::Renderer::PhotonMap,
+                ..options(photons, 48)
+            };
             let t = std::time::Instant::now();
             let r = renderers::render::render(&scene, &options, &|_| {}).unwrap();
             println!("{:.2} s keys {}", t.elapsed().as_secs_f64(), r.photons.as_ref().unwrap().keys.len());
@@ -164,9 +189,70 @@ fn interpolated_photons_are_those_that_are_traced() {
         let [interpolated, traced] = [Rethrow::Interpolated, Rethrow::Traced].map(|rethrow| picture(rethrow, 1));
         let other = picture(Rethrow::Traced, 2);
         let difference = |a: &renderers::image::Picture, b: &renderers::image::Picture| {
-            let squares = a.pixels().iter().zip(b.pixels()).map(|(a, b)| (0..3).map(|c| f64::from(a[c] - b[c]).powi(2)).sum::<f64>());
+            let squares = a
+                .pixels()
+                .iter()
+                .zip(b.pixels())
+                .map(|(a, b)| (0..3).map(|c| f64::from(a[c] - b[c]).powi(2)).sum::<f64>());
             squares.sum::<f64>().sqrt()
         };
         println!("{name}: {} against noise {}", difference(&interpolated, &traced), difference(&traced, &other));
+    }
+}
+
+/// Closed forms at ten wavelengths: where a prism's light falls on a wall, and how much of it; red is turned least.
+#[test]
+fn a_prisms_light_is_where_its_closed_form_says() {
+    const RADIUS: f64 = 0.02;
+    let bench = Bench::new();
+    let Receiver { centre, half, .. } = bench.receiver;
+    let mut before = f64::NEG_INFINITY;
+    for from in (0..10).map(|k| 410.0 + 30.0 * f64::from(k)) {
+        let to = from + 10.0;
+        let scene = bench.scene(&format!("{}:0, {from}:1, {to}:1, {}:0", from - 1e-6, to + 1e-6));
+        let prism = bench.prism(f64::midpoint(from, to));
+        let [high, low] = SLIT.map(|entry| bench.height(prism, entry) - centre.y);
+        // Where the bin's ends would be.
+        let [red, violet] =
+            [bench.height(bench.prism(to), SLIT[0]) - centre.y, bench.height(bench.prism(from), SLIT[1]) - centre.y];
+        let expected =
+            1.44 * (SLIT[1] - SLIT[0]) * bench.incidence.cos() * prism.ray(1.0, bench.incidence).unwrap().share;
+        let unit: f64 = (0..=100)
+            .map(|k| {
+                let w = from + f64::from(k) / 10.0;
+                let end = if k == 0 || k == 100 { 0.05 } else { 0.1 };
+                end * Observer::<f64>::cie_1931_2deg().value(w).iter().sum::<f64>() / Y_INTEGRAL
+            })
+            .sum();
+        for seed in 0..2 {
+            let photons = PhotonOptions {
+                count: PhotonCount::Count(10_000),
+                radius: Some(RADIUS),
+                nearest: 1000,
+                adaptive: false,
+                ..PhotonOptions::default()
+            };
+            let (map, report) = bench
+                .receiver
+                .caustics(&scene, &Options { spectra: Spectra::Uniform(40), seed: Some(seed), ..options(photons, 64) })
+                .unwrap();
+            let flux = map.flux().iter().sum::<f64>() / unit;
+            let middle =
+                (0..3).map(|c| map.centroid(c)[0] * map.flux()[c]).sum::<f64>() / map.flux().iter().sum::<f64>();
+            let profile: Vec<f64> = map.profile(&(-half..half)).iter().map(|p| p.iter().sum()).collect();
+            let most = profile.iter().copied().fold(0.0, f64::max);
+            let lit: Vec<usize> = (0..64).filter(|k| profile[*k] > 0.05 * most).collect();
+            println!(
+                "{from}: {:+.3} % centroid {middle:.4} expected {:.4}; extent {:.3} {:.3} expected {violet:.3} {red:.3} bands {} keys {}",
+                100.0 * (flux / expected - 1.0),
+                f64::midpoint(high, low),
+                map.place(lit[0] as f64),
+                map.place(lit[lit.len() - 1] as f64 + 1.0),
+                report.bands.len(),
+                report.keys.len()
+            );
+        }
+        assert!(f64::midpoint(high, low) > before);
+        before = f64::midpoint(high, low);
     }
 }

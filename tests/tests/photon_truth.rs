@@ -4,7 +4,7 @@
 use core::f64::consts::PI;
 
 use renderers::direct;
-use renderers::geometry::Camera;
+use renderers::geometry::{Camera, FovAxis};
 use renderers::render::{Options, PhotonCount, PhotonOptions, Renderer, Rendering, Spectra, render};
 use renderers::scene::{BsdfKind, Scene, builtin};
 use spectral_core::colour::rgb::{WHITE, linear_rgb_to_xyz};
@@ -37,8 +37,9 @@ fn minus(a: &[[f64; 3]], b: &[[f64; 3]]) -> Vec<[f64; 3]> {
 fn seen_directly(scene: &Scene) -> Vec<bool> {
     const FINE: u32 = 6;
     let world = direct::world(scene).unwrap();
+    // Pictures are square: all axes have the same field of view.
     let eye = &scene.camera;
-    let camera = Camera::new(&eye.to_world, eye.fov, eye.fov_axis, SIDE, SIDE).unwrap();
+    let camera = Camera::new(&eye.to_world, eye.fov, FovAxis::X, SIDE, SIDE).unwrap();
     let scatters = |shape: u32| {
         !matches!(
             scene.bsdf(scene.shapes[shape as usize].bsdf).kind,
@@ -73,7 +74,9 @@ impl Truth {
 
     /// The sum over all pixels that count, and its standard error.
     fn flux(&self) -> Estimate {
-        let of = |values: &mut dyn Iterator<Item = f64>| values.zip(&self.counts).filter(|(_, c)| **c).map(|(v, _)| v).sum::<f64>();
+        let of = |values: &mut dyn Iterator<Item = f64>| {
+            values.zip(&self.counts).filter(|(_, c)| **c).map(|(v, _)| v).sum::<f64>()
+        };
         Estimate { mean: of(&mut self.xyz.iter().map(|p| p[1])), error: of(&mut self.variance.iter().copied()).sqrt() }
     }
 
@@ -114,15 +117,23 @@ fn caustics_are_those_of_light_tracing() {
             found.push(truth.flux_of(&caustic) / flux.mean);
             if seed == 0 {
                 // Where caustics have a hundredth of what they have in bright places.
-                let bright = statistics(truth.xyz.iter().zip(&truth.counts).filter(|(p, c)| **c && p[1] > 0.0).map(|(p, _)| p[1]).collect())[1];
-                let lab = |caustic: [f64; 3], direct: [f64; 3]| xyz_to_lab([0, 1, 2].map(|c| caustic[c] + direct[c]), WHITE);
+                let bright = statistics(
+                    truth.xyz.iter().zip(&truth.counts).filter(|(p, c)| **c && p[1] > 0.0).map(|(p, _)| p[1]).collect(),
+                )[1];
+                let lab =
+                    |caustic: [f64; 3], direct: [f64; 3]| xyz_to_lab([0, 1, 2].map(|c| caustic[c] + direct[c]), WHITE);
                 let pixels = (0..direct.len()).filter(|k| truth.counts[*k] && truth.xyz[*k][1] >= 0.05 * bright);
-                let differences: Vec<f64> = pixels.map(|k| delta_e_00(lab(caustic[k], direct[k]), lab(truth.xyz[k], direct[k]))).collect();
+                let differences: Vec<f64> =
+                    pixels.map(|k| delta_e_00(lab(caustic[k], direct[k]), lab(truth.xyz[k], direct[k]))).collect();
                 println!("{name}: {} pixels, bright {bright} ΔE00 {:.3?}", differences.len(), statistics(differences));
             }
         }
         let photon = Estimate::of(&found);
-        println!("{name}: ratio {photon:?} truth ± {:.5}; truth {seconds:.1} s, four pictures {:.1} s", flux.error / flux.mean, t.elapsed().as_secs_f64());
+        println!(
+            "{name}: ratio {photon:?} truth ± {:.5}; truth {seconds:.1} s, four pictures {:.1} s",
+            flux.error / flux.mean,
+            t.elapsed().as_secs_f64()
+        );
     }
 }
 
@@ -140,7 +151,13 @@ fn tilted_normals_bend_light_as_they_bend_sight() {
     let receiver = Receiver::floor(0.0, 4.0, 1.5);
     for (name, body) in [
         ("glass", square(glass, "<translate x='1.0' y='2'/>")),
-        ("mirror", square("<bsdf type='conductor'/>", "<rotate z='1' angle='-50'/><scale value='1.6'/><translate x='-3' y='2.5'/>")),
+        (
+            "mirror",
+            square(
+                "<bsdf type='conductor'/>",
+                "<rotate z='1' angle='-50'/><scale value='1.6'/><translate x='-3' y='2.5'/>",
+            ),
+        ),
     ] {
         let scene = receiver.scene(&format!("{lamp}{body}"), &[("square.obj", &tilted_square())]).unwrap();
         let tracer = LightTracer::new(&scene, Aim::Specular).unwrap();
@@ -152,7 +169,11 @@ fn tilted_normals_bend_light_as_they_bend_sight() {
             let direct = picture(&scene, Renderer::Whitted, &options);
             minus(&picture(&scene, Renderer::PhotonMap, &options), &direct).iter().map(|p| p[1]).sum::<f64>() / truth
         };
-        println!("tilted {name}: {:?} {}", Estimate::of(&(0..4).map(of).collect::<Vec<_>>()), film.variances().iter().map(|v| v[3]).sum::<f64>().sqrt() / truth);
+        println!(
+            "tilted {name}: {:?} {}",
+            Estimate::of(&(0..4).map(of).collect::<Vec<_>>()),
+            film.variances().iter().map(|v| v[3]).sum::<f64>().sqrt() / truth
+        );
     }
 }
 
@@ -168,23 +189,41 @@ fn errors_fall_with_the_number_of_photons() {
     // The flux within circles.
     const STEPS: usize = 300;
     let step = 1.5 / STEPS as f64;
-    let flux: Vec<f64> = (0..=STEPS).map(|k| if k == 0 { 0.0 } else { ways.iter().map(|way| focus.flux(*way, k as f64 * step)).sum() }).collect();
+    let flux: Vec<f64> = (0..=STEPS)
+        .map(|k| if k == 0 { 0.0 } else { ways.iter().map(|way| focus.flux(*way, k as f64 * step)).sum() })
+        .collect();
     let irradiance = |r: f64| {
         let k = ((r / step) as usize).min(STEPS - 1);
         (flux[k + 1] - flux[k]) / (PI * step * step * (2 * k + 1) as f64)
     };
     let side = 48_u32;
     let pixel = 2.0 / f64::from(side);
-    let truth: Vec<f64> = (0..side * side).map(|n| {
-        let at = |number: u32, part: u32| (f64::from(number) + (f64::from(part) + 0.5) / 16.0) * pixel - 1.0;
-        (0..256).map(|p| irradiance(at(n % side, p % 16).hypot(at(n / side, p / 16)))).sum::<f64>() / 256.0
-    }).collect();
+    let truth: Vec<f64> = (0..side * side)
+        .map(|n| {
+            let at = |number: u32, part: u32| (f64::from(number) + (f64::from(part) + 0.5) / 16.0) * pixel - 1.0;
+            (0..256).map(|p| irradiance(at(n % side, p % 16).hypot(at(n / side, p / 16)))).sum::<f64>() / 256.0
+        })
+        .collect();
     println!("within 0.2 {}, centre {}", irradiance(0.01), irradiance(0.2));
     for adaptive in [true, false] {
         for (seed, count) in [1000_u64, 4000, 16_000, 64_000, 256_000, 1_024_000].into_iter().enumerate() {
             let nearest = (1.0 * (count as f64).powf(2.0 / 3.0)) as usize;
-            let photons = PhotonOptions { count: PhotonCount::Count(count), radius: Some(1.0), nearest, adaptive, between: false, ..PhotonOptions::default() };
-            let options = Options { spectra: Spectra::Uniform(1), size: Some([side; 2]), samples: Some(4), seed: Some(seed as u64), photons, ..Options::default() };
+            let photons = PhotonOptions {
+                count: PhotonCount::Count(count),
+                radius: Some(1.0),
+                nearest,
+                adaptive,
+                between: false,
+                ..PhotonOptions::default()
+            };
+            let options = Options {
+                spectra: Spectra::Uniform(1),
+                size: Some([side; 2]),
+                samples: Some(4),
+                seed: Some(seed as u64),
+                photons,
+                ..Options::default()
+            };
             let t = std::time::Instant::now();
             let (map, _) = receiver.caustics(&scene, &options).unwrap();
             let (mut squares, mut norm) = (0.0, 0.0);
@@ -192,7 +231,12 @@ fn errors_fall_with_the_number_of_photons() {
                 squares += (found[1] - truth).powi(2);
                 norm += truth * truth;
             }
-            println!("{adaptive} {count} k {nearest}: {:.5} {:.2} s flux {:?}", (squares / norm).sqrt(), t.elapsed().as_secs_f64(), map.flux_within(0.9)[1] / flux[180]);
+            println!(
+                "{adaptive} {count} k {nearest}: {:.5} {:.2} s flux {:?}",
+                (squares / norm).sqrt(),
+                t.elapsed().as_secs_f64(),
+                map.flux_within(0.9)[1] / flux[180]
+            );
         }
     }
 }

@@ -103,6 +103,13 @@ const SHORT: f32 = 1e-4;
 /// Wavelengths in nm between which glass is as dispersive as anywhere in the visible.
 const MOST_DISPERSIVE: [f64; 2] = [390.0, 410.0];
 
+/// Steps in nm in which it is looked at how fluxes change, and by how many paths.
+const PROBES: u32 = 10;
+const PROBED: usize = 256;
+
+/// How much fluxes may change, relative to themselves, within a band whose parts don't have photons of their own.
+const CHANGE: f64 = 0.02;
+
 /// How far, relative to the radius of an estimate, photons may be from where they are thought to be.
 const NEAR: f32 = 0.1;
 
@@ -142,22 +149,35 @@ impl<'s> Maps<'s> {
         maps
     }
 
-    /// Some of the paths, thrown at a wavelength.
-    fn tried(&self, wavelength: f64) -> Vec<Scattered> {
-        let some: Vec<Prefix> = self.prefixes.iter().step_by(self.stride()).copied().collect();
+    /// About so many of the paths, thrown at a wavelength.
+    fn tried(&self, paths: usize, wavelength: f64) -> Vec<Scattered> {
+        let stride = self.prefixes.len().div_ceil(paths).max(1);
+        let some: Vec<Prefix> = self.prefixes.iter().step_by(stride).copied().collect();
         sorted(self.emission.throw(&some, |_| wavelength, &mut (*self.even.spectra).clone()).photons)
     }
 
-    /// The width in nm of the band within which nine of ten photons move less than a distance: where glass is the most dispersive.
+    /// The width in nm of bands within which photons are alike: nine of ten move less than a distance where glass is the most dispersive, and
+    /// their fluxes change little where they change the most.
     fn narrowest(&self, near: f32) -> f64 {
+        let whole = LAST_WAVELENGTH - FIRST_WAVELENGTH;
         let [first, last] = MOST_DISPERSIVE;
-        let shift = f64::from(curves::shift(&self.tried(first), &self.tried(last)));
-        let width = f64::from(near) * (last - first) / shift;
-        if width.is_finite() {
-            width.min(LAST_WAVELENGTH - FIRST_WAVELENGTH)
-        } else {
-            LAST_WAVELENGTH - FIRST_WAVELENGTH
+        let shift = f64::from(curves::shift(&self.tried(TRIED, first), &self.tried(TRIED, last)));
+        let by_place = f64::from(near) * (last - first) / shift;
+        let width = CHANGE * f64::from(PROBES) / self.steepest();
+        [by_place, width].into_iter().filter(|w| w.is_finite()).fold(whole, f64::min)
+    }
+
+    /// How much fluxes change in a step where they change the most, relative to themselves.
+    fn steepest(&self) -> f64 {
+        let wavelengths = (0..).map(|step| FIRST_WAVELENGTH + f64::from(PROBES * step));
+        let mut before = self.tried(PROBED, FIRST_WAVELENGTH);
+        let mut steepest = 0.0;
+        for wavelength in wavelengths.skip(1).take_while(|w| *w <= LAST_WAVELENGTH) {
+            let next = self.tried(PROBED, wavelength);
+            steepest = f64::max(steepest, f64::from(curves::change(&before, &next)));
+            before = next;
         }
+        steepest
     }
 
     /// The band itself, or the half, quarter, … of all waves that it is in, if it is so narrow that photons of one map will do for these.
@@ -176,7 +196,7 @@ impl<'s> Maps<'s> {
     /// Throws all paths at as many wavelengths as it takes for interpolation.
     fn interpolated(&self, near: f32) -> Interpolated {
         let mut spectra = (*self.even.spectra).clone();
-        let keys = curves::keys([FIRST_WAVELENGTH, LAST_WAVELENGTH], near, &|wavelength| self.tried(wavelength));
+        let keys = curves::keys([FIRST_WAVELENGTH, LAST_WAVELENGTH], near, &|wavelength| self.tried(TRIED, wavelength));
         let mut thrown = |wavelength: &f64| {
             let photons = self.emission.throw(&self.prefixes, |_| *wavelength, &mut spectra).photons;
             (*wavelength, sorted(photons))
@@ -188,7 +208,7 @@ impl<'s> Maps<'s> {
     /// About the radius of an estimate where there are photons: that of some of them, among which photons are farther apart.
     #[allow(clippy::cast_precision_loss, reason = "as precise as radii")]
     fn usual_radius(&self) -> f32 {
-        let some = self.tried(WHOLE.wavelength);
+        let some = self.tried(TRIED, WHOLE.wavelength);
         let map = PhotonMap::new(some.into_iter().map(|s| s.photon).collect());
         self.density.usual_radius(&map) / (self.stride() as f32).sqrt()
     }
