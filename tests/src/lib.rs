@@ -2,7 +2,9 @@
 
 extern crate alloc;
 
+pub mod bodies;
 pub mod certify;
+pub mod comparisons;
 pub mod dense;
 pub mod generators;
 pub mod irradiance;
@@ -10,6 +12,7 @@ pub mod light_tracing;
 pub mod meshes;
 pub mod program;
 pub mod quadrature;
+pub mod receiver;
 pub mod snell;
 pub mod statistics;
 pub mod tables;

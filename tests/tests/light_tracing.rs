@@ -10,41 +10,13 @@ use renderers::render::{Options, Renderer, Rendering, Spectra};
 use renderers::scene::{Integrator, Scene, Source, load};
 use spectral_core::colour::rgb::linear_rgb_to_xyz;
 use spectral_core::dispersion::{Dispersion, Glass};
+use spectral_tests::bodies::{self, hemisphere, tilted_square};
+use spectral_tests::comparisons::Comparisons;
 use spectral_tests::light_tracing::{Aim, Estimate, Film, Grid, Landing, LightTracer, TraceError, Waves};
 use spectral_tests::snell::{Focus, Lens, Plate, Prism, Way, refracted};
-use spectral_tests::statistics::upper_gamma;
 
-/// The probability that one of a test's comparisons fails by chance.
-const SIGNIFICANCE: f64 = 0.01;
 /// Positions are f32: some roundings of the scenes' sizes.
 const ROUNDING: f64 = 64.0 * f32::EPSILON as f64;
-
-/// Collects comparisons, then judges all of them together.
-#[derive(Debug, Default)]
-struct Comparisons(Vec<(String, f64, f64)>);
-
-impl Comparisons {
-    /// An estimate and its expectation, which is known to `tolerance`.
-    #[track_caller]
-    fn add(&mut self, name: impl ToString, found: Estimate, expected: f64, tolerance: f64) {
-        let name = name.to_string();
-        assert!(found.mean.is_finite() && found.error.is_finite(), "{name}: {found:?}");
-        let z = found.z(expected, tolerance);
-        self.0.push((format!("{name}: {found:?}, expected {expected}, z = {z:.2}"), z, found.error / expected.abs()));
-    }
-
-    /// Every comparison must pass, and none may be so noisy that it says nothing: a standard error of more than `noise` is refused.
-    #[track_caller]
-    fn judge(&self, noise: f64) {
-        assert!(!self.0.is_empty());
-        let least = 1.0 - (1.0 - SIGNIFICANCE).powf(1.0 / self.0.len() as f64);
-        for (text, z, error) in &self.0 {
-            let p = upper_gamma(0.5, z * z / 2.0);
-            assert!(p >= least, "{text}: p = {p:.2e}, less than {least:.2e}");
-            assert!(*error <= noise, "{text}: standard error of {error}");
-        }
-    }
-}
 
 /// Parallel light straight down, of irradiance 1.
 const DOWN: &str = "<emitter type='directional'><vector name='direction' x='0' y='-1' z='0'/>
@@ -138,45 +110,8 @@ fn a_balls_flux_within_radii_is_its_closed_form() {
             }
         }
     }
-    assert!(all.0.len() >= 30, "{}", all.0.len());
+    assert!(all.count() >= 30, "{}", all.count());
     all.judge(0.02);
-}
-
-/// A dome of triangles with the sphere's own normals, and the flat disk that closes it, as one body above or below y = 0.
-fn hemisphere(up: bool, rings: u32) -> (String, String) {
-    let segments = 4 * rings;
-    let mut text = String::new();
-    for ring in 0..=rings {
-        for segment in 0..segments {
-            let (from, around) =
-                (PI / 2.0 * f64::from(ring) / f64::from(rings), 2.0 * PI * f64::from(segment) / f64::from(segments));
-            let [x, y, z] = [from.sin() * around.cos(), from.cos(), from.sin() * around.sin()];
-            let y = if up { y } else { -y };
-            text += &format!("v {x} {y} {z}\nvn {x} {y} {z}\n");
-        }
-    }
-    for ring in 0..rings {
-        for segment in 0..segments {
-            let next = (segment + 1) % segments;
-            let [a, b] = [segment, next].map(|s| ring * segments + s + 1);
-            let [c, d] = [a, b].map(|corner| corner + segments);
-            for face in [[a, d, c], [a, b, d]] {
-                // At the pole the first ring is a point.
-                if ring == 0 && face == [a, b, d] {
-                    continue;
-                }
-                let [p, q, r] = if up { face } else { [face[0], face[2], face[1]] };
-                text += &format!("f {p}//{p} {q}//{q} {r}//{r}\n");
-            }
-        }
-    }
-    let turn = if up { 90 } else { -90 };
-    let bsdf = constant(1.5);
-    let body = format!(
-        "<shape type='obj'><string name='filename' value='dome.obj'/>{bsdf}</shape>
-        <shape type='disk'><transform name='to_world'><rotate x='1' angle='{turn}'/></transform>{bsdf}</shape>"
-    );
-    (body, text)
 }
 
 /// `independent`: the trigonometric trace; a mesh with smooth normals refracts as the sphere does, up to its facets.
@@ -185,7 +120,7 @@ fn a_hemispheres_flux_within_radii_is_its_closed_form() {
     const RADII: [f64; 4] = [0.05, 0.2, 0.4, 0.8];
     let mut all = Comparisons::default();
     for (lens, up, distance) in [(Lens::RoundFirst, true, 1.2), (Lens::FlatFirst, false, 2.0)] {
-        let (body, dome) = hemisphere(up, 64);
+        let (body, dome) = hemisphere(up, 64, &constant(1.5));
         let scene = scene_with(&format!("{DOWN}{body}{}", floor(-distance, 4.0)), &[("dome.obj", dome)]);
         let tracer = LightTracer::new(&scene, Aim::Specular).unwrap();
         let focus = Focus { lens, radius: 1.0, index: 1.5, distance };
@@ -260,18 +195,6 @@ fn a_plate_transmits_and_shifts_by_its_closed_form() {
     shifts.judge(0.02);
 }
 
-/// A prism of unit depth both ways, with its edge along z at the origin and faces of this length.
-fn prism_mesh(prism: Prism, length: f64) -> String {
-    let [left, right] = [-1.0, 1.0].map(|side| prism.face(side, length));
-    let mut text = String::new();
-    for z in [-1.0, 1.0] {
-        for [x, y] in [[0.0, 0.0], left, right] {
-            text += &format!("v {x} {y} {z}\n");
-        }
-    }
-    text + "f 1 3 2\nf 4 5 6\nf 1 2 5 4\nf 2 3 6 5\nf 3 1 4 6\n"
-}
-
 /// Closed forms at ten wavelengths: where a prism's light falls on a wall, and how much of it.
 #[test]
 fn a_prisms_light_is_where_its_closed_form_says() {
@@ -291,7 +214,7 @@ fn a_prisms_light_is_where_its_closed_form_says() {
         direction.sin(),
         glass("<string name='int_ior' value='N-SF11'/>")
     );
-    let mesh = prism_mesh(Prism { apex, index: 1.0 }, LENGTH);
+    let mesh = bodies::prism(Prism { apex, index: 1.0 }, LENGTH);
     let scene = scene_with(&body, &[("prism.obj", mesh)]);
     let tracer = LightTracer::new(&scene, Aim::Specular).unwrap();
     let mut all = Comparisons::default();
@@ -381,7 +304,7 @@ const DISK: &str = "<shape type='disk'><transform name='to_world'><rotate y='1' 
 #[test]
 fn flux_balances_close() {
     let point = "<emitter type='point'><point name='position' x='3' y='3' z='1'/><spectrum name='intensity' value='2'/></emitter>";
-    let (dome, mesh) = hemisphere(true, 6);
+    let (dome, mesh) = hemisphere(true, 6, &constant(1.5));
     for (light, emitted) in
         [(LAMP, Some(4.0 * PI * 1.6)), (DISK, Some(2.0 * PI * PI * 0.49)), (point, Some(8.0 * PI)), (DOWN, None)]
     {
@@ -510,14 +433,6 @@ fn ball(bsdf: &str) -> String {
     format!(
         "<shape type='sphere'><point name='center' x='0' y='1.5' z='0'/><float name='radius' value='1.2'/>{bsdf}</shape>"
     )
-}
-
-/// A horizontal square of half side 1.5 that sees up and is shaded as if it were tilted.
-fn tilted_square() -> String {
-    let (x, y) = (0.4_f64.sin(), 0.4_f64.cos());
-    let corners = [(-1.5, -1.5), (-1.5, 1.5), (1.5, 1.5), (1.5, -1.5)];
-    let vertices: String = corners.iter().map(|(a, b)| format!("v {a} 0 {b}\nvn {x} {y} 0\n")).collect();
-    vertices + "f 1//1 2//2 3//3\nf 1//1 3//3 4//4\n"
 }
 
 /// `independent`: what path tracing from the eye finds of these paths is what light tracing does.

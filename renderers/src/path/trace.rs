@@ -199,10 +199,14 @@ impl<'s> Walk<'s> {
         }
     }
 
-    /// The path's light after its way through the medium it is in.
+    /// The path's light after its way through the medium it is in: what it leaves from inside, or else what it entered last.
     fn absorb(&self, state: &State, hit: &Hit, carrier: &mut impl Carrier) {
-        let surface = state.interior.and_then(|shape| self.scene.surfaces.get(shape as usize));
-        let Some(Material::Dielectric(medium)) = surface.map(|s| &s.material) else { return };
+        let medium = |shape: u32| match self.scene.surfaces.get(shape as usize).map(|s| &s.material) {
+            Some(Material::Dielectric(medium)) => Some(medium),
+            _ => None,
+        };
+        let left = if hit.front { None } else { medium(hit.shape) };
+        let Some(medium) = left.or_else(|| medium(state.interior?)) else { return };
         let distance = f64::from((hit.position - state.ray.origin).length());
         match medium.absorbs_evenly() {
             None => {}
@@ -287,7 +291,8 @@ fn dielectric_step(
     carrier: &mut impl Carrier,
 ) -> Option<State> {
     let known = if dielectric.has_constant_index() { Some(MEAN_WAVELENGTH) } else { carrier.wavelength() };
-    let mirrored = State { ray: mirror_ray(hit, direction), ..next };
+    let interior = if hit.front { next.interior } else { Some(hit.shape) };
+    let mirrored = State { ray: mirror_ray(hit, direction), interior, ..next };
     if let Some(wavelength) = known {
         let (share, refracted) = boundary(dielectric, hit, direction, wavelength);
         if lobe < share || refracted.is_none() {

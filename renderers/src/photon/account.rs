@@ -3,7 +3,7 @@
 /// The balance of a flux of photons. Every spectrum counts by its mean under the luminosity function ȳ, so that fluxes of all lights add up:
 /// in the unit of the lights' radiance times m² sr.
 ///
-/// Always, `emitted` = `deposited` + `escaped` + all that is absorbed + `too_deep` + `waiting` + `roulette`, to rounding.
+/// Always, `emitted` + `bent` = `deposited` + `escaped` + all that is absorbed + `too_deep` + `waiting` + `roulette`, to rounding.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Account {
     /// Attempts to send a photon, of which some aim past their object or at parts of it that are hidden.
@@ -13,6 +13,8 @@ pub(crate) struct Account {
     /// Photons that met a mirror or glass (or that were thrown again), and their flux; of partial mirrors, the part that is mirrored.
     pub(crate) sent: u64,
     pub(crate) emitted: f64,
+    /// Added where shading normals are not the geometric ones, negative where it is taken; all of what would leave by the wrong side.
+    pub(crate) bent: f64,
     /// Photons kept where they met a surface that scatters.
     pub(crate) kept: u64,
     pub(crate) deposited: f64,
@@ -42,6 +44,7 @@ impl Account {
         self.rays += other.rays;
         self.sent += other.sent;
         self.emitted += other.emitted;
+        self.bent += other.bent;
         self.kept += other.kept;
         self.deposited += other.deposited;
         self.lost += other.lost;
@@ -58,6 +61,7 @@ impl Account {
     /// How much of the emitted flux is not accounted for.
     pub(crate) fn missing(&self) -> f64 {
         let absorbed = self.media + self.mirrors + self.boundaries + self.black;
-        self.emitted - (self.deposited + self.escaped + absorbed + self.too_deep + self.waiting + self.roulette)
+        let found = self.deposited + self.escaped + absorbed + self.too_deep + self.waiting + self.roulette;
+        self.emitted + self.bent - found
     }
 }

@@ -166,6 +166,8 @@ struct Misfit {
     distance: f32,
     /// The share of the flux there that corresponds to nothing.
     strange: f32,
+    /// How much the other fluxes there differ from what they are thought to be, relative to themselves.
+    change: f32,
 }
 
 /// Compares photons that were thrown in the middle of a stretch with what its ends say.
@@ -189,7 +191,21 @@ fn misfit([first, middle, last]: [&[Scattered]; 3]) -> Misfit {
             (one, other) => strange += one.or(other).map_or(0.0, |s| s.photon.flux),
         }
     });
-    Misfit { distance: of_nine_in_ten(&mut distances), strange: if total > 0.0 { strange / total } else { 0.0 } }
+    let strange = if total > 0.0 { strange / total } else { 0.0 };
+    Misfit { distance: of_nine_in_ten(&mut distances), strange, change: change(&thought, middle) }
+}
+
+/// How much the fluxes differ of photons that correspond to each other, relative to themselves: the sum of all differences.
+pub(crate) fn change(first: &[Scattered], last: &[Scattered]) -> f32 {
+    let (mut differences, mut total) = (0.0, 0.0);
+    pair_up(first, last, |a, b| {
+        if let (Some(a), Some(b)) = (a, b) {
+            let [a, b] = [a, b].map(|s| s.photon.flux);
+            differences += (a - b).abs();
+            total += a.max(b);
+        }
+    });
+    if total > 0.0 { differences / total } else { 0.0 }
 }
 
 /// How far nine of ten photons move at most between two wavelengths at which they were thrown.
@@ -210,11 +226,13 @@ fn of_nine_in_ten(distances: &mut [f32]) -> f32 {
     if distances.is_empty() { 0.0 } else { *distances.select_nth_unstable_by(place, f32::total_cmp).1 }
 }
 
-/// The share of flux that may correspond to nothing in the middle of a stretch, and how often a stretch is halved at most.
+/// The share of flux that may correspond to nothing in the middle of a stretch, how much the rest may differ, and how often a stretch is
+/// halved at most.
 const STRANGE: f32 = 0.02;
+const CHANGE: f32 = 0.01;
 const HALVINGS: u32 = 4;
 
-/// Wavelengths in nm, in increasing order, between which photons may be interpolated: nine of ten within a distance. `throw` throws some paths at a
+/// Wavelengths in nm, in increasing order, between which photons may be interpolated: nine of ten within a distance, and their fluxes. `throw` throws some paths at a
 /// wavelength.
 pub(crate) fn keys(limits: [f64; 2], distance: f32, throw: &impl Fn(f64) -> Vec<Scattered>) -> Vec<f64> {
     let ends = limits.map(|wavelength| (wavelength, throw(wavelength)));
@@ -235,7 +253,8 @@ fn halve(
     let wavelength = middle(first.0, last.0);
     let between = (wavelength, throw(wavelength));
     let misfit = misfit([&first.1, &between.1, &last.1]);
-    if halvings == 0 || (misfit.distance <= distance && misfit.strange <= STRANGE) {
+    let fits = misfit.distance <= distance && misfit.strange <= STRANGE && misfit.change <= CHANGE;
+    if halvings == 0 || fits {
         keys.push(last.0);
         return;
     }

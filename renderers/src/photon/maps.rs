@@ -53,6 +53,8 @@ pub(crate) struct Maps<'s> {
     curves: Option<Interpolated>,
     /// How far nine of ten photons move at most for each nm, where glass is the most dispersive.
     shift: f64,
+    /// How much fluxes change in [`PROBES`] nm where they change the most, relative to themselves.
+    steepest: f64,
     bands: Bands,
     /// The map for all waves, if paths depend on them.
     whole: Option<Arc<Slot>>,
@@ -109,6 +111,13 @@ const SHORT: f32 = 1e-4;
 /// Wavelengths in nm between which glass is as dispersive as anywhere in the visible.
 const MOST_DISPERSIVE: [f64; 2] = [390.0, 410.0];
 
+/// Steps in nm in which it is looked at how fluxes change, and by how many paths.
+const PROBES: u32 = 10;
+const PROBED: usize = 256;
+
+/// How much fluxes may change, relative to themselves, within a band whose parts don't have photons of their own.
+const CHANGE: f64 = 0.02;
+
 /// How far, relative to the radius of an estimate, photons may be from where they are thought to be.
 const NEAR: f32 = 0.1;
 
@@ -132,6 +141,7 @@ impl<'s> Maps<'s> {
             prefixes,
             curves: None,
             shift: 0.0,
+            steepest: 0.0,
             bands: Bands::default(),
             whole: None,
             sent: account.sent,
@@ -140,7 +150,7 @@ impl<'s> Maps<'s> {
         };
         if !maps.prefixes.is_empty() {
             let near = NEAR * maps.usual_radius();
-            maps.shift = maps.shift();
+            (maps.shift, maps.steepest) = (maps.shift(), maps.steepest());
             if rethrow == Rethrow::Interpolated {
                 maps.curves = Some(maps.interpolated(near));
             }
@@ -151,25 +161,42 @@ impl<'s> Maps<'s> {
         maps
     }
 
-    /// Some of the paths, thrown at a wavelength.
-    fn tried(&self, wavelength: f64) -> Vec<Scattered> {
-        let some: Vec<Prefix> = self.prefixes.iter().step_by(self.stride()).copied().collect();
+    /// About so many of the paths, thrown at a wavelength.
+    fn tried(&self, paths: usize, wavelength: f64) -> Vec<Scattered> {
+        let stride = self.prefixes.len().div_ceil(paths).max(1);
+        let some: Vec<Prefix> = self.prefixes.iter().step_by(stride).copied().collect();
         sorted(self.emission.throw(&some, |_| wavelength, &mut (*self.even.spectra).clone()).photons)
     }
 
+    /// How far nine of ten photons move at most for each nm.
     fn shift(&self) -> f64 {
         let [first, last] = MOST_DISPERSIVE;
-        f64::from(curves::shift(&self.tried(first), &self.tried(last))) / (last - first)
+        f64::from(curves::shift(&self.tried(TRIED, first), &self.tried(TRIED, last))) / (last - first)
+    }
+
+    /// How much fluxes change in a step where they change the most, relative to themselves.
+    fn steepest(&self) -> f64 {
+        let wavelengths = (0..).map(|step| FIRST_WAVELENGTH + f64::from(PROBES * step));
+        let mut before = self.tried(PROBED, FIRST_WAVELENGTH);
+        let mut steepest = 0.0;
+        for wavelength in wavelengths.skip(1).take_while(|w| *w <= LAST_WAVELENGTH) {
+            let next = self.tried(PROBED, wavelength);
+            steepest = f64::max(steepest, f64::from(curves::change(&before, &next)));
+            before = next;
+        }
+        steepest
     }
 
     /// The band itself, or the half, quarter, … of all waves that it is in, if it is so narrow that photons of one map will do for these: as
-    /// each photon has a wavelength of its own, they may move by half of a radius. Dispersion is taken to fall like Cauchy's.
+    /// each photon has a wavelength of its own, they may move by half of a radius. Dispersion is taken to fall like Cauchy's, and fluxes change
+    /// little.
     fn widened(&self, band: Band, radius: f32) -> Band {
         let whole = LAST_WAVELENGTH - FIRST_WAVELENGTH;
         let [from, to] = band.limits;
         let wavelength = f64::midpoint(from, to);
         let shift = self.shift * (MOST_DISPERSIVE[0] / wavelength).powi(3);
-        let narrowest = (0.5 * f64::from(radius) / shift).clamp(NARROWEST, whole);
+        let by_flux = CHANGE * f64::from(PROBES) / self.steepest;
+        let narrowest = (0.5 * f64::from(radius) / shift).min(by_flux).clamp(NARROWEST, whole);
         if to == from || to - from >= narrowest {
             return band;
         }
@@ -181,7 +208,7 @@ impl<'s> Maps<'s> {
     /// Throws all paths at as many wavelengths as it takes for interpolation.
     fn interpolated(&self, near: f32) -> Interpolated {
         let mut spectra = (*self.even.spectra).clone();
-        let keys = curves::keys([FIRST_WAVELENGTH, LAST_WAVELENGTH], near, &|wavelength| self.tried(wavelength));
+        let keys = curves::keys([FIRST_WAVELENGTH, LAST_WAVELENGTH], near, &|wavelength| self.tried(TRIED, wavelength));
         let mut thrown = |wavelength: &f64| {
             let photons = self.emission.throw(&self.prefixes, |_| *wavelength, &mut spectra).photons;
             (*wavelength, sorted(photons))
@@ -193,7 +220,7 @@ impl<'s> Maps<'s> {
     /// About the radius of an estimate where there are photons: that of some of them, among which photons are farther apart.
     #[allow(clippy::cast_precision_loss, reason = "as precise as radii")]
     fn usual_radius(&self) -> f32 {
-        let some = self.tried(WHOLE.wavelength);
+        let some = self.tried(TRIED, WHOLE.wavelength);
         let map = PhotonMap::new(some.into_iter().map(|s| s.photon).collect());
         self.density.usual_radius(&map) / (self.stride() as f32).sqrt()
     }

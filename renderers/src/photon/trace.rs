@@ -269,9 +269,15 @@ impl<'s, L: Landing> Walk<'s, L> {
                 continue;
             };
             let direction = state.ray.direction.as_dvec3().normalize_or_zero();
+            let length = way(&state, &hit);
+            // What is left from inside is the medium, whatever was entered before: there may be bodies in bodies.
+            if !hit.front && matches!(self.around.material(&hit), Some(Material::Dielectric(_))) {
+                self.meet(&hit, direction, state, length);
+                continue;
+            }
             let medium = state.interior.and_then(|shape| self.around.materials.get(shape as usize));
             let state = match medium {
-                Some(Material::Dielectric(medium)) => self.absorbed(state, medium, way(&state, &hit)),
+                Some(Material::Dielectric(medium)) => self.absorbed(state, medium, length),
                 _ => state,
             };
             self.meet(&hit, direction, state, 0.0);
@@ -334,13 +340,18 @@ impl<'s, L: Landing> Walk<'s, L> {
 
     /// Keeps a photon; `share` is the part of it that isn't mirrored further.
     fn keep(&mut self, hit: &Hit, direction: DVec3, state: &State, share: f64) {
+        let bent = arriving(hit, direction);
+        self.account.bent += self.luminous(state.weight * share * (bent - 1.0));
+        if !(bent > 0.0) {
+            return;
+        }
         self.account.kept += 1;
-        self.account.deposited += self.luminous(state.weight * share);
+        self.account.deposited += self.luminous(state.weight * share * bent);
         #[allow(clippy::cast_possible_truncation, reason = "photons are f32")]
         let photon = Photon {
             position: hit.position.to_array(),
             direction: single(-direction).to_array(),
-            flux: state.flux as f32,
+            flux: (state.flux * bent) as f32,
             spectrum: state.product,
             surface: surface(hit.shape, hit.front),
         };
@@ -387,9 +398,11 @@ impl<'s, L: Landing> Walk<'s, L> {
         let factor = factors[usize::from(!takes_first)].0;
         let mean = total * self.around.mean(factor);
         self.account.mirrors += self.luminous(state.weight * (1.0 - mean));
-        let share = Share { flux: total, weight: mean, guide: mean };
+        let ray = mirror_ray(hit, direction);
+        let share =
+            self.bent(Share { flux: total, weight: mean, guide: mean }, state.weight, leaving(hit, direction, &ray));
         let product = self.products.times(state.product, factor.leaf);
-        let onward = State { ray: mirror_ray(hit, direction), product, ..state };
+        let onward = State { ray, product, ..state };
         self.go_on([Some((onward, share)), None], state);
     }
 
@@ -404,15 +417,23 @@ impl<'s, L: Landing> Walk<'s, L> {
             let mean = factor.scale * self.around.mean(factor);
             self.account.boundaries += self.start.luminous * state.weight * part * (1.0 - mean);
             let share = Share { flux: part * factor.scale, weight: part * mean, guide: guide * mean };
+            let share = self.bent(share, state.weight, leaving(hit, direction, &ray));
             let product = self.products.times(state.product, factor.leaf);
             (State { ray, product, interior, ..state }, share)
         };
-        let mirrored = way(*reflectance, reflected, at_d, mirror_ray(hit, direction), state.interior);
+        let interior = if hit.front { state.interior } else { Some(hit.shape) };
+        let mirrored = way(*reflectance, reflected, at_d, mirror_ray(hit, direction), interior);
         let through = onward.map(|onward| {
             let interior = hit.front.then_some(hit.shape);
             way(*transmittance, 1.0 - reflected, 1.0 - at_d, hit.point().ray(single(onward)), interior)
         });
         self.go_on([Some(mirrored), through], state);
+    }
+
+    /// A share where shading normals count. Decisions that should be alike at all wavelengths don't depend on it.
+    fn bent(&mut self, share: Share, weight: f64, by: f64) -> Share {
+        self.account.bent += self.luminous(weight * share.weight * (by - 1.0));
+        Share { flux: share.flux * by, weight: share.weight * by, guide: share.guide }
     }
 
     /// Follows the ways on from where a path was, each unless roulette or the limit of reflections and refractions ends it.
@@ -462,6 +483,30 @@ impl<'s, L: Landing> Walk<'s, L> {
 /// The branch that takes a way, 0 for reflection and 1 for refraction.
 const fn branch(from: u32, way: u32) -> u32 {
     if from < HASHED { from << 1 | way } else { HASHED | combine(from, way) }
+}
+
+/// What light that comes along a direction to a surface counts for where its irradiance is by the shading normal and the flux on its area by
+/// the geometric one: the ratio of both cosines; 0 for light from behind the shading normal.
+fn arriving(hit: &Hit, direction: DVec3) -> f64 {
+    let ratio = cosines(hit, direction);
+    if ratio.is_finite() { ratio.max(0.0) } else { 0.0 }
+}
+
+/// What light counts for that comes along a direction to a mirror or boundary and leaves it along a ray, where the shading normal isn't the
+/// geometric one: light is the adjoint of what is seen (E. Veach, *Robust Monte Carlo Methods for Light Transport Simulation*, 1997, §5.3).
+/// 0 where it would leave by the wrong side.
+fn leaving(hit: &Hit, direction: DVec3, onward: &Ray) -> f64 {
+    let ratio = cosines(hit, direction) / cosines(hit, onward.direction.as_dvec3());
+    if ratio.is_finite() { ratio.max(0.0) } else { 0.0 }
+}
+
+/// The cosine of a direction to the shading normal over that to the geometric normal.
+fn cosines(hit: &Hit, direction: DVec3) -> f64 {
+    if hit.geometric_normal == hit.shading_normal {
+        return 1.0;
+    }
+    let [geometric, shading] = [hit.geometric_normal, hit.shading_normal].map(|n| direction.dot(n.as_dvec3()));
+    shading / geometric
 }
 
 /// The length of a path's way to a hit.

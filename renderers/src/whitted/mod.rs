@@ -35,7 +35,7 @@ use crate::direct::{Blockers, Cells, Cover, KnownCells, Light, Part, Receiver, S
 use crate::frame::{Frame, Parametrisation};
 use crate::geometry::sampling::SobolSequence;
 use crate::geometry::{Camera, Hit, Ray, World};
-use crate::material::{Lobe, Material, mirror_factors};
+use crate::material::{Dielectric, Lobe, Material, mirror_factors};
 use crate::spectral::{
     Band, Deferred, Factor, FactorOrder, Gathered, MEAN_WAVELENGTH, Monomial, Monomials, Radiance, Tracer,
 };
@@ -365,13 +365,16 @@ impl<'s> Worker<'s> {
         }
     }
 
-    /// The path's light after its way through the medium it is in.
+    /// The path's light after its way through the medium it is in: what it leaves from inside, or else what it entered last.
     fn absorbed(&self, path: Path, ray: &Ray, hit: &Hit) -> Path {
-        let Some(Surface { material: Material::Dielectric(medium), .. }) =
-            path.interior.and_then(|shape| self.scene.surfaces.get(shape as usize))
-        else {
-            return path;
+        let medium = |shape: u32| match self.scene.surfaces.get(shape as usize) {
+            Some(Surface { material: Material::Dielectric(medium), .. }) => Some(&**medium),
+            _ => None,
         };
+        // Without a wavelength nothing can be said of media that absorb unevenly.
+        let is_known = |medium: &&Dielectric| path.band.is_some() || medium.absorbs_evenly() == Some(true);
+        let left = if hit.front { None } else { medium(hit.shape).filter(is_known) };
+        let Some(medium) = left.or_else(|| medium(path.interior?)) else { return path };
         let distance = f64::from((hit.position - ray.origin).length());
         let remaining = medium.remaining(distance, path.band.map_or(0.0, |band| band.wavelength));
         Path { weight: path.weight * remaining, ..path }

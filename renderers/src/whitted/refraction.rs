@@ -20,6 +20,13 @@ pub(super) struct Interface {
     path: Path,
 }
 
+impl Path {
+    /// The shape in whose interior the path is before a boundary that it has met.
+    const fn interior_before(&self, hit: &Hit) -> Option<u32> {
+        if hit.front { self.interior } else { Some(hit.shape) }
+    }
+}
+
 impl Worker<'_> {
     pub(super) fn dielectric(
         &mut self,
@@ -33,7 +40,7 @@ impl Worker<'_> {
             let mut reflected = Radiance::default();
             let unit = Path { monomial: Monomial::default(), ..path };
             let by = self.times(unit, dielectric.reflectance);
-            self.follow(&mirror_ray(&hit, direction), by, path.interior, &mut reflected);
+            self.follow(&mirror_ray(&hit, direction), by, path.interior_before(&hit), &mut reflected);
             let interface = Interface { hit, direction, reflected, path };
             let number = u32::try_from(self.deferred.len()).unwrap_or(u32::MAX);
             self.deferred.push(Later::Boundary(interface));
@@ -43,7 +50,7 @@ impl Worker<'_> {
         }
         let (share, refracted) = boundary(dielectric, &hit, direction, path.band.map_or(0.0, |band| band.wavelength));
         let mirrored = self.times(Path { weight: path.weight * share, ..path }, dielectric.reflectance);
-        self.follow(&mirror_ray(&hit, direction), mirrored, path.interior, radiance);
+        self.follow(&mirror_ray(&hit, direction), mirrored, path.interior_before(&hit), radiance);
         if let Some(onward) = refracted {
             self.refract(&hit, onward, Path { weight: path.weight * (1.0 - share), ..path }, dielectric, radiance);
         }
