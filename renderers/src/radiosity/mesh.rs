@@ -5,6 +5,7 @@ use glam::{DVec3, Vec3A};
 use spectral_core::brdf::Schlick;
 
 use super::Others;
+use super::cluster::{self, Cluster, clusters};
 use super::error::RadiosityError;
 use super::polygon::{MOST_PATCH_CORNERS, Polygon};
 use crate::geometry::{Mesh, NO_PRIMITIVE, Parallelogram, Surface, World};
@@ -60,6 +61,8 @@ pub(super) struct Patches {
     pub(super) sides: Vec<Side>,
     /// How many of the nodes, the first, are roots.
     pub(super) roots: usize,
+    /// Groups of roots, parents before their children; none where roots are few.
+    pub(super) clusters: Vec<Cluster>,
     /// What blocks: every surface, of whatever material.
     pub(super) world: World,
     /// The polygon of each primitive of the world, or of the face that it is a triangle of.
@@ -111,7 +114,23 @@ impl Patches {
                 nodes.push(Node { polygon, side, primitive, child: LEAF });
             }
         }
-        Ok(Self { roots: nodes.len(), nodes, sides, world, blockers, face, slack })
+        let clusters = clusters(&nodes, &sides);
+        Ok(Self { roots: nodes.len(), clusters, nodes, sides, world, blockers, face, slack })
+    }
+
+    /// The area of a patch or of a cluster, by its number.
+    pub(super) fn area(&self, number: u32) -> f64 {
+        cluster::index(number).map_or_else(|| self.nodes[number as usize].polygon.area, |c| self.clusters[c].area)
+    }
+
+    /// Bytes of patches and clusters.
+    pub(super) fn bytes(&self) -> usize {
+        size_of_val(&*self.nodes) + size_of_val(&*self.clusters)
+    }
+
+    /// The number among all patches and clusters, which come after these.
+    pub(super) fn row(&self, number: u32) -> usize {
+        cluster::index(number).map_or(number as usize, |c| self.nodes.len() + c)
     }
 
     /// Gives a patch halves, if it has none; false if it is too small for that.

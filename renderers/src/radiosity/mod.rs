@@ -18,6 +18,7 @@ mod balance;
 mod build;
 mod cell;
 mod cells;
+mod cluster;
 mod contour;
 mod coupled;
 mod error;
@@ -34,6 +35,7 @@ mod polish;
 mod polygon;
 mod rays;
 mod representation;
+mod rough;
 mod scalar;
 mod shade;
 mod sight;
@@ -205,11 +207,22 @@ impl Radiosity {
         palette: &mut Palette,
         progress: &(dyn Fn(f64) + Sync),
     ) -> Result<Self, RadiosityError> {
-        let mut patches = Patches::new(scene, settings.others, palette)?;
+        let patches = Patches::new(scene, settings.others, palette)?;
         if patches.roots == 0 && !mesh::is_diffuse_somewhere(scene) {
             return Err(RadiosityError::NothingDiffuse);
         }
         let sources = Source::all(scene, palette)?;
+        Self::between(patches, sources, settings, palette, progress)
+    }
+
+    /// The same from patches that are not yet refined.
+    fn between(
+        mut patches: Patches,
+        sources: Vec<Source>,
+        settings: &Settings,
+        palette: &Palette,
+        progress: &(dyn Fn(f64) + Sync),
+    ) -> Result<Self, RadiosityError> {
         let links = Builder::new(settings, &patches, &sources, palette)?.build(&mut patches, progress)?;
         let mut buffer = Buffer::default();
         let mut transport = Transport::new(&patches, &links);
@@ -226,7 +239,7 @@ impl Radiosity {
             patches: self.transport.leaves.len(),
             links: self.links,
             uncertain_links: self.uncertain,
-            bytes: self.transport.bytes() + self.patches.nodes.len() * size_of::<mesh::Node>(),
+            bytes: self.transport.bytes() + self.patches.bytes(),
             closed: self.balance.closed,
             row_sum_error: self.balance.before,
             scaled_row_sum_error: self.balance.after,
