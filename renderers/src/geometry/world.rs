@@ -3,7 +3,7 @@
 use core::cmp::Ordering;
 use core::ops::Range;
 
-use glam::{DVec3, Vec3A};
+use glam::{DVec3, Vec3A, Vec4};
 
 use super::GeometryError;
 use super::bvh::{Bvh, Item, RawHit};
@@ -126,6 +126,35 @@ impl World {
     #[must_use]
     pub fn shaft_blockers(&self, shaft: &Shaft, most: usize, flat: bool) -> Option<Vec<u32>> {
         shaft.blockers(&self.bvh, most, flat)
+    }
+
+    /// The primitives that may reach into an axis-aligned box, in increasing order: all that do, and some of those beside it.
+    #[must_use]
+    pub fn primitives_near(&self, low: Vec3A, high: Vec3A) -> Vec<u32> {
+        let found = core::cell::RefCell::new(Vec::new());
+        self.bvh.any_item(
+            |lows, highs| {
+                let meets =
+                    |axis: usize| lows[axis].cmple(Vec4::splat(high[axis])) & highs[axis].cmpge(Vec4::splat(low[axis]));
+                (meets(0) & meets(1) & meets(2)).bitmask()
+            },
+            |packet| {
+                let reaches = |(primitive, [a, b, c]): (u32, [Vec3A; 3])| {
+                    let apart = a.min(b).min(c).cmpgt(high) | a.max(b).max(c).cmplt(low);
+                    (primitive != NO_PRIMITIVE && !apart.any()).then_some(primitive)
+                };
+                found.borrow_mut().extend(packet.triangles().filter_map(reaches));
+                false
+            },
+            |_, primitive| {
+                found.borrow_mut().push(primitive);
+                false
+            },
+        );
+        let mut found = found.into_inner();
+        found.sort_unstable();
+        found.dedup();
+        found
     }
 
     /// The part of a triangle or parallelogram within an axis-aligned box, seen from the side its normal points to (`front`) or from the

@@ -7,6 +7,7 @@
 
 use rayon::prelude::*;
 
+use super::cluster;
 use super::exchange::exchange;
 use super::mesh::{LEAF, Patches};
 use super::sight::{spread, surface_point};
@@ -16,6 +17,9 @@ use crate::geometry::sampling::square_to_cosine_hemisphere;
 
 /// Rays that look for a hole in a space.
 const RAYS: usize = 1 << 14;
+/// The least number of rays from a leaf; and where there are clusters, whose links are less exact than that many rays.
+const FEW_RAYS: u32 = 4;
+const MANY_RAYS: u32 = 256;
 /// Sums further from 1 than this are not of a closed space, whatever rays say.
 const FURTHEST: f64 = 0.75;
 const ROUNDS: usize = 200;
@@ -44,21 +48,23 @@ pub(super) struct Balance {
 /// Scales the operator.
 pub(super) fn balance(patches: &Patches, links: &[Link], transport: &mut Transport, buffer: &mut Buffer) -> Balance {
     let roots = roots(patches);
-    let mut groups = Groups::new(patches.roots);
-    for link in links.iter().filter(|link| link.seen > 0.0) {
-        groups.join(roots[link.p as usize], roots[link.q as usize]);
-    }
+    let mut groups = connected(patches, links, &roots);
     let group_of = |groups: &mut Groups, leaf: u32| groups.find(roots[leaf as usize]);
-    let mut open = vec![false; patches.roots];
-    for (leaf, escapes) in transport.leaves.iter().zip(escapes(patches, &transport.leaves)) {
-        open[group_of(&mut groups, *leaf)] |= escapes;
+    let mut open = vec![false; patches.roots + patches.clusters.len()];
+    let filled = filled(patches, &transport.leaves);
+    for (leaf, share) in transport.leaves.iter().zip(&filled) {
+        open[group_of(&mut groups, *leaf)] |= *share < 1.0;
     }
     let mut sums = transport.row_sums(buffer);
     for (leaf, sum) in transport.leaves.iter().zip(&sums) {
         open[group_of(&mut groups, *leaf)] |= !((sum - 1.0).abs() <= FURTHEST);
     }
     let closed: Vec<bool> = transport.leaves.iter().map(|leaf| !open[group_of(&mut groups, *leaf)]).collect();
-    let targets = targets(patches, links, transport, &closed);
+    let targets = if patches.clusters.is_empty() {
+        targets(patches, links, transport, &closed)
+    } else {
+        filled.iter().zip(&closed).map(|(share, closed)| if *closed { 1.0 } else { *share }).collect()
+    };
     let off = |sums: &[f64]| {
         let closed = sums.iter().zip(&closed).filter(|(_, closed)| **closed);
         closed.fold(0.0_f64, |off, (sum, _)| off.max((sum - 1.0).abs()))
@@ -82,6 +88,27 @@ pub(super) fn balance(patches: &Patches, links: &[Link], transport: &mut Transpo
     let total: f64 = transport.areas.iter().sum();
     let area: f64 = transport.areas.iter().zip(&closed).map(|(a, closed)| if *closed { *a } else { 0.0 }).sum();
     Balance { closed: area / total, before, after: off(&sums), largest: sums.iter().fold(0.0, |m, s| s.max(m)) }
+}
+
+/// Roots, and after them clusters, that light goes between. Links of a cluster are those of all of its members.
+fn connected(patches: &Patches, links: &[Link], roots: &[usize]) -> Groups {
+    let place =
+        |number: u32| cluster::index(number).map_or_else(|| roots[number as usize], |cluster| patches.roots + cluster);
+    let mut groups = Groups::new(patches.roots + patches.clusters.len());
+    let mut is_linked = vec![false; patches.clusters.len()];
+    for link in links.iter().filter(|link| link.seen > 0.0) {
+        groups.join(place(link.p), place(link.q));
+        [link.p, link.q].into_iter().filter_map(cluster::index).for_each(|cluster| is_linked[cluster] = true);
+    }
+    for (index, cluster) in patches.clusters.iter().enumerate() {
+        if is_linked[index] {
+            for child in cluster.children {
+                groups.join(patches.roots + index, place(child));
+                cluster::index(child).into_iter().for_each(|child| is_linked[child] = true);
+            }
+        }
+    }
+    groups
 }
 
 /// What the form factors of each leaf add up to: 1 in closed spaces; elsewhere the sum of its own factors to all that it and the groups it is in
@@ -132,29 +159,32 @@ fn roots(patches: &Patches) -> Vec<usize> {
     roots
 }
 
-/// Whether a ray from each leaf meets what is not a patch's front.
-fn escapes(patches: &Patches, leaves: &[u32]) -> Vec<bool> {
+/// The share of rays from each leaf that meet a patch's front.
+fn filled(patches: &Patches, leaves: &[u32]) -> Vec<f64> {
     let mut is_patch = vec![[false; 2]; patches.blockers.len()];
     for node in &patches.nodes[..patches.roots] {
         let primitive = node.primitive as usize;
         let front = node.polygon.normal.dot(patches.blockers[primitive].normal) > 0.0;
         is_patch[primitive][usize::from(front)] = true;
     }
-    let rays = u32::try_from((RAYS / leaves.len().max(1)).max(4)).unwrap_or(4);
-    let escapes = |leaf: &u32| {
+    let least = if patches.clusters.is_empty() { FEW_RAYS } else { MANY_RAYS };
+    let rays = u32::try_from(RAYS / leaves.len().max(1)).unwrap_or(0).max(least);
+    let filled = |leaf: &u32| {
         let node = &patches.nodes[*leaf as usize];
         let normal = node.polygon.normal.as_vec3a();
         let (u, v) = normal.any_orthonormal_pair();
-        (0..rays).any(|index| {
+        let meets = |index: &u32| {
             #[allow(clippy::cast_possible_truncation, reason = "rays are traced in f32")]
             let [a, b, c, d] = spread(index.wrapping_add(leaf.wrapping_mul(rays)) & 0xf_ffff);
             let way: Vec3A = square_to_cosine_hemisphere([single(c), single(d)]);
             let from = surface_point(node.polygon.point([a, b]), node.polygon.normal, node.primitive);
             let hit = patches.world.closest_hit(&from.ray(u * way.x + v * way.y + normal * way.z));
-            !hit.is_some_and(|hit| is_patch[patches.face[hit.primitive as usize] as usize][usize::from(hit.front)])
-        })
+            hit.is_some_and(|hit| is_patch[patches.face[hit.primitive as usize] as usize][usize::from(hit.front)])
+        };
+        let met = u32::try_from((0..rays).filter(meets).count()).unwrap_or(rays);
+        f64::from(met) / f64::from(rays)
     };
-    leaves.par_iter().map(escapes).collect()
+    leaves.par_iter().map(filled).collect()
 }
 
 #[allow(clippy::cast_possible_truncation, reason = "rays are traced in f32")]

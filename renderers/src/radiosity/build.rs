@@ -2,7 +2,7 @@
 
 use super::Settings;
 use super::error::RadiosityError;
-use super::link::{self, Oracle};
+use super::link::{self, Oracle, Values};
 use super::mesh::Patches;
 use super::scalar::luminous;
 use super::solve::System;
@@ -16,6 +16,8 @@ const PASSES: i32 = 3;
 const ROUGH: f64 = 1e-3;
 /// The relative error of irradiance times area that a link may cause, over the accuracy asked for and the lit area.
 const LINK_SHARE: f64 = 0.015;
+/// The relative error of irradiance that a link with a cluster may cause at either end, over the accuracy asked for.
+const CLUSTER_SHARE: f64 = 0.25;
 /// How much the unevenness of light that comes straight from lamps counts: it is computed point by point.
 const LAMP: f64 = 0.2;
 /// Irradiance under this share of what is typical counts as this share.
@@ -68,31 +70,36 @@ impl<'s> Builder<'s> {
             return Ok(Vec::new());
         }
         let mut buffer = Buffer::default();
+        let of_node = |index: usize| self.reflectance[patches.nodes[index].side as usize];
         let mut oracle = Oracle {
-            radiosity: Vec::new(),
-            irradiance: Vec::new(),
-            reflectance: &self.reflectance,
-            most: 0.0,
+            radiosity: Values::default(),
+            irradiance: Values::default(),
+            reflectance: Values { patches: (0..patches.nodes.len()).map(of_node).collect(), clusters: Vec::new() },
+            uneven: Vec::new(),
+            most: f64::INFINITY,
+            most_in_cluster: f64::INFINITY,
             memory: self.settings.memory,
         };
-        let mut links = link::of_roots(patches, &oracle)?;
+        let pairs = link::all_pairs(patches, &oracle)?;
+        let mut links = link::refine(patches, Vec::new(), pairs, &mut oracle)?;
         for pass in 1..=PASSES {
-            let area;
-            (oracle.radiosity, oracle.irradiance, area) = self.luminous_values(patches, &links, &mut buffer);
-            oracle.most = LINK_SHARE * self.settings.accuracy * area * 4.0_f64.powi(PASSES - pass);
-            links = link::refine(patches, links, &mut oracle)?;
+            let area = self.look(patches, &links, &mut oracle, &mut buffer);
+            let coarse = 4.0_f64.powi(PASSES - pass);
+            oracle.most = LINK_SHARE * self.settings.accuracy * area * coarse;
+            oracle.most_in_cluster = CLUSTER_SHARE * self.settings.accuracy * coarse;
+            links = link::refine(patches, links, Vec::new(), &mut oracle)?;
             progress(f64::from(pass) / f64::from(PASSES + 1));
         }
         Ok(links)
     }
 
-    /// Luminous radiosity and irradiance of all nodes, the latter at least as much as darkness, and the area that is lit.
-    fn luminous_values(&self, patches: &Patches, links: &[Link], buffer: &mut Buffer) -> (Vec<f64>, Vec<f64>, f64) {
+    /// Tells the oracle the luminous radiosity and irradiance of all nodes, the latter at least as much as darkness; the area that is lit.
+    fn look(&self, patches: &Patches, links: &[Link], oracle: &mut Oracle, buffer: &mut Buffer) -> f64 {
         let transport = Transport::new(patches, links);
         let of_side = |values: &[f64]| -> Vec<f64> {
             transport.leaves.iter().map(|leaf| values[patches.nodes[*leaf as usize].side as usize]).collect()
         };
-        let (reflectance, emitted) = (of_side(&self.reflectance), of_side(&self.emission));
+        let (of_leaf, emitted) = (of_side(&self.reflectance), of_side(&self.emission));
         let values = source::irradiances(patches, self.sources, &transport.leaves);
         let direct = source::luminous_irradiances(self.sources, &values, transport.leaves.len());
         let mut lit = vec![0.0; emitted.len()];
@@ -100,7 +107,7 @@ impl<'s> Builder<'s> {
         lit.iter_mut().zip(&direct).for_each(|(h, d)| *h += d);
         let largest_sum = transport.row_sums(buffer).iter().fold(1.0, |m: f64, s| m.max(*s));
         // Coarse links may send more than there is.
-        let reflectance = reflectance.iter().map(|r| (r / largest_sum).min(0.9995)).collect();
+        let reflectance = of_leaf.iter().map(|r| (r / largest_sum).min(0.9995)).collect();
         let system = System { transport: &transport, width: 1, reflectance, direct, lit, largest_sum };
         let solved = match self.settings.bounces {
             Some(count) => system.bounces(count, buffer),
@@ -115,11 +122,18 @@ impl<'s> Builder<'s> {
         let (flux, square) = (moment(1), moment(2));
         // Mean irradiance, each place weighted with its own.
         let typical = if flux > 0.0 { square / flux } else { 1.0 };
-        let mut nodes = [Vec::new(), Vec::new()];
-        transport.pull(&weighted, 1, |_| 1.0, &mut nodes[0]);
-        transport.pull(&irradiance, 1, |_| 1.0, &mut nodes[1]);
-        let [radiosity, mut irradiance] = nodes;
-        irradiance.iter_mut().for_each(|e| *e = e.max(DARKNESS * typical));
-        (radiosity, irradiance, flux / typical)
+        let pull = |leaves: &[f64]| {
+            let mut rows = Vec::new();
+            transport.pull(leaves, 1, |_| 1.0, &mut rows);
+            Values::new(rows, patches.nodes.len())
+        };
+        oracle.radiosity = pull(&weighted);
+        oracle.irradiance = pull(&irradiance);
+        oracle.irradiance.raise(DARKNESS * typical);
+        oracle.reflectance = pull(&of_leaf);
+        let squares: Vec<f64> = weighted.iter().map(|b| b * b).collect();
+        let deviation = |(square, mean): (&f64, &f64)| (square - mean * mean).max(0.0).sqrt();
+        oracle.uneven = pull(&squares).clusters.iter().zip(&oracle.radiosity.clusters).map(deviation).collect();
+        flux / typical
     }
 }

@@ -8,7 +8,7 @@
 use glam::DVec3;
 
 use super::gauss::{nodes_for, rule};
-use super::polygon::Polygon;
+use super::polygon::{MOST_CORNERS, Polygon};
 
 /// Edges whose directions differ by less are parallel.
 const PARALLEL: f64 = 1e-14;
@@ -36,6 +36,159 @@ pub(super) fn contour_exchange(p: &Polygon, q: &Polygon, tolerance: f64) -> f64 
         }
     }
     (sum * unit * unit / (2.0 * core::f64::consts::PI)).max(0.0)
+}
+
+/// The largest rule for an edge in [`far_exchange`].
+const MOST_FAR_NODES: usize = 5;
+/// Room for the points of one contour there.
+const ROOM: usize = MOST_FAR_NODES * MOST_CORNERS;
+/// Room for their pairs with the points of one edge.
+const MOST_PAIRS: usize = MOST_FAR_NODES * ROOM;
+/// The most terms of the series of the logarithm.
+const MOST_TERMS: f64 = 24.0;
+
+/// The points of a rule on edges, from the polygon's centre, each with a weight and with what it alone adds to the square of the
+/// distance between the centres.
+struct Contour {
+    axes: [[f64; ROOM]; 3],
+    squares: [f64; ROOM],
+    weights: [f64; ROOM],
+    count: usize,
+}
+
+impl Contour {
+    const fn empty() -> Self {
+        Self { axes: [[0.0; ROOM]; 3], squares: [0.0; ROOM], weights: [0.0; ROOM], count: 0 }
+    }
+
+    /// `towards` is the vector to the other centre.
+    fn new(polygon: &Polygon, nodes: usize, towards: DVec3) -> Self {
+        let mut contour = Self::empty();
+        for [from, to] in polygon.edges() {
+            for (x, weight) in &rule(nodes).points {
+                let point = from - polygon.centre + (to - from) * *x;
+                contour.push(point.to_array(), point.length_squared() - 2.0 * towards.dot(point), *weight);
+            }
+        }
+        contour
+    }
+
+    fn push(&mut self, point: [f64; 3], square: f64, weight: f64) {
+        let place = self.count;
+        self.axes.iter_mut().zip(point).for_each(|(axis, x)| axis[place] = x);
+        (self.squares[place], self.weights[place]) = (square, weight);
+        self.count += 1;
+    }
+
+    fn point(&self, place: usize) -> [f64; 3] {
+        let [xs, ys, zs] = &self.axes;
+        [xs[place], ys[place], zs[place]]
+    }
+
+    /// The largest distance from the centre, and the largest of the squares.
+    fn largest(&self) -> [f64; 2] {
+        let size = |place| DVec3::from_array(self.point(place)).length_squared();
+        let most = (0..self.count).fold([0.0_f64; 2], |[a, b], i| [a.max(size(i)), b.max(self.squares[i].abs())]);
+        [most[0].sqrt(), most[1]]
+    }
+
+    /// A part of the points.
+    fn each(&self, places: core::ops::Range<usize>) -> impl Iterator<Item = ([f64; 3], f64, f64)> + '_ {
+        places.map(|place| (self.point(place), self.squares[place], self.weights[place]))
+    }
+}
+
+/// Pairs of points: t with r² = d² (1 + t), and weights.
+struct Pairs {
+    arguments: [f64; MOST_PAIRS],
+    weights: [f64; MOST_PAIRS],
+    /// Room for the squares of the arguments, and for series in them.
+    powers: [f64; MOST_PAIRS],
+    series: [f64; MOST_PAIRS],
+    count: usize,
+}
+
+impl Pairs {
+    /// Adds the pairs of one point with points.
+    fn add(&mut self, ([x, y, z], square, weight): ([f64; 3], f64, f64), others: &Contour, squared: f64) {
+        let range = self.count..self.count + others.count;
+        let [xs, ys, zs] = &others.axes;
+        let points = xs.iter().zip(ys).zip(zs).zip(&others.squares).zip(&others.weights);
+        let places = self.arguments[range.clone()].iter_mut().zip(&mut self.weights[range]);
+        for ((argument, own), ((((a, b), c), other), w)) in places.zip(points) {
+            let t = square + other - 2.0 * (x * a + y * b + z * c);
+            *argument = t / (2.0 * squared + t);
+            *own = weight * w;
+        }
+        self.count += others.count;
+    }
+
+    /// The sum of weights times ln(r/d) = ½ ln(1 + t) = artanh(t / (2 + t)).
+    fn logarithms(&mut self, terms: usize) -> f64 {
+        let arguments = &self.arguments[..self.count];
+        let (powers, series) = (&mut self.powers[..self.count], &mut self.series[..self.count]);
+        powers.iter_mut().zip(arguments).for_each(|(power, s)| *power = s * s);
+        let (last, others) = COEFFICIENTS[..terms].split_last().unwrap_or((&1.0, &[]));
+        series.fill(*last);
+        for coefficient in others.iter().rev() {
+            series.iter_mut().zip(&*powers).for_each(|(sum, power)| *sum = *sum * power + coefficient);
+        }
+        series.iter_mut().zip(arguments).zip(&self.weights).for_each(|((sum, s), weight)| *sum *= s * weight);
+        // Four sums at once take a quarter of the time of one.
+        let (fours, rest) = series.as_chunks::<4>();
+        let sums = fours.iter().fold([0.0; 4], |sums: [f64; 4], four| core::array::from_fn(|i| sums[i] + four[i]));
+        sums.iter().sum::<f64>() + rest.iter().sum::<f64>()
+    }
+}
+
+/// 1, 1/3, 1/5, …
+const COEFFICIENTS: [f64; MOST_TERMS as usize] = {
+    let mut all = [1.0; MOST_TERMS as usize];
+    let (mut term, mut odd) = (0, 1.0);
+    while term < all.len() {
+        all[term] = 1.0 / odd;
+        (term, odd) = (term + 1, odd + 2.0);
+    }
+    all
+};
+
+/// The same for far polygons, by Gauss–Legendre rules with so many nodes on the edges of each. Only the logarithm of the distance over that of
+/// the centres counts, which loses little: `None` where that is more than a share of `rounding`, or where they are near.
+pub(super) fn far_exchange(p: &Polygon, q: &Polygon, nodes: [usize; 2], rounding: f64) -> Option<f64> {
+    if nodes.iter().any(|n| *n > MOST_FAR_NODES) {
+        return None;
+    }
+    let between = q.centre - p.centre;
+    let squared = between.length_squared();
+    let (one, other) = (Contour::new(p, nodes[0], between), Contour::new(q, nodes[1], -between));
+    let ([a, b], [c, d]) = (one.largest(), other.largest());
+    let most = (b + d + 2.0 * a * c) / squared;
+    let argument = most / (2.0 - most);
+    let terms = (1.0 + (0.1 * rounding).ln() / argument.ln()) / 2.0;
+    let lengths = [p, q].map(|polygon| polygon.edges().map(|[from, to]| (to - from).length()).sum::<f64>());
+    let lost = 4.0 * f64::EPSILON * argument * lengths[0] * lengths[1] * squared / (p.area * q.area);
+    if !(most < 1.0 && terms <= MOST_TERMS && lost <= rounding) {
+        return None;
+    }
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "at most MOST_TERMS")]
+    let terms = terms.ceil().max(1.0) as usize;
+    let none = [0.0; MOST_PAIRS];
+    let mut pairs = Pairs { arguments: none, weights: none, powers: none, series: none, count: 0 };
+    let (mut along, mut sum) = (Contour::empty(), 0.0);
+    for (i, [from, to]) in p.edges().enumerate() {
+        let edge = to - from;
+        (along.count, pairs.count) = (0, 0);
+        for (j, [from, to]) in q.edges().enumerate() {
+            let product = edge.dot(to - from);
+            if product.abs() > PERPENDICULAR * lengths[0] * lengths[1] {
+                let points = other.each(j * nodes[1]..(j + 1) * nodes[1]);
+                points.for_each(|(point, square, weight)| along.push(point, square, weight * product));
+            }
+        }
+        one.each(i * nodes[0]..(i + 1) * nodes[0]).for_each(|point| pairs.add(point, &along, squared));
+        sum += pairs.logarithms(terms);
+    }
+    Some((sum / (2.0 * core::f64::consts::PI)).max(0.0))
 }
 
 /// An edge: where it starts, its unit direction and its length.

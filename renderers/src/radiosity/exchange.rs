@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::contour::contour_exchange;
+use super::contour::{contour_exchange, far_exchange};
 use super::gauss::{nodes_for, rule};
 use super::polygon::Polygon;
 
@@ -10,6 +10,8 @@ use super::polygon::Polygon;
 const CANCELLATION: f64 = 4.0 * f64::EPSILON;
 /// Rounding that is put up with: rules that do better take several times as long.
 const ROUNDING: f64 = 6e-13;
+/// How much larger the error of a rule is for cos cos / r² than for the logarithm of the distance along the contours, at least.
+const LOGARITHM: f64 = 8.0;
 /// Rules with so many nodes a side, or fewer, beat the contours.
 const FEW_NODES: usize = 3;
 /// Rules with so many nodes a side, or fewer, beat closed forms for the inner integral.
@@ -27,14 +29,22 @@ pub(super) fn exchange(p: &Polygon, q: &Polygon, slack: f64, tolerance: f64) -> 
     let (small, large) = if p.radius <= q.radius { (&p, &q) } else { (&q, &p) };
     let distance = (p.centre - q.centre).length();
     let gap = if distance > 4.0 * large.radius { distance - large.radius } else { large.distance(small.centre) };
-    let nodes = nodes_beyond(small, gap - small.radius, tolerance);
+    let ellipse = ellipse_beyond(small, gap - small.radius);
+    let nodes = nodes_for(ellipse, tolerance);
     if nodes > FEW_NODES {
         let rounding = CANCELLATION * distance.powi(4) / (p.area * q.area);
         if nodes > 2 * FEW_NODES || rounding <= tolerance.max(ROUNDING) {
             return contour_exchange(&p, &q, tolerance);
         }
     }
-    let others = nodes_beyond(large, distance - large.radius - small.radius, tolerance);
+    let other_ellipse = ellipse_beyond(large, distance - large.radius - small.radius);
+    let others = nodes_for(other_ellipse, tolerance);
+    if nodes.max(others) > FEW_NODES {
+        let nodes = [ellipse, other_ellipse].map(|ellipse| nodes_for(ellipse, LOGARITHM * tolerance));
+        if let Some(sum) = far_exchange(small, large, nodes, tolerance.max(ROUNDING)) {
+            return sum;
+        }
+    }
     if others <= MORE_NODES
         && let Some(sum) = by_points(small, nodes, large, others)
     {
@@ -43,11 +53,11 @@ pub(super) fn exchange(p: &Polygon, q: &Polygon, slack: f64, tolerance: f64) -> 
     over_points(small, nodes, |x, w| w * large.configuration_factor(x, small.normal))
 }
 
-/// Nodes a side for a polygon whose points are at least `gap` from what makes the integrand large.
-fn nodes_beyond(polygon: &Polygon, gap: f64, tolerance: f64) -> usize {
+/// The ellipse of analyticity along a polygon whose points are at least `gap` from what makes the integrand large.
+fn ellipse_beyond(polygon: &Polygon, gap: f64) -> f64 {
     // A patch is little wider than √2 radii in either direction.
     let distance = gap.max(0.0) / (polygon.radius * core::f64::consts::FRAC_1_SQRT_2);
-    nodes_for(distance + distance.hypot(1.0), tolerance)
+    distance + (distance * distance + 1.0).sqrt()
 }
 
 /// Σ f(x, w) over a product rule on a polygon; the weights add up to its area.

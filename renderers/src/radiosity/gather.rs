@@ -1,11 +1,13 @@
 //! Irradiance at any place from the patches, each in closed form.
 
 use core::cell::RefCell;
+use core::f64::consts::PI;
 
 use disk_sampling::Receiver;
 use glam::DVec3;
 
 use super::Solution;
+use super::cluster::{self, Cluster, Sample};
 use super::mesh::{Node, Patches};
 use super::polygon::Polygon;
 use super::shade::{Cone, Eye, MOST_BLOCKERS};
@@ -25,6 +27,9 @@ const LARGE: f64 = 8e-3;
 const PARTS: f64 = 2.0;
 /// How much more the unevenness of what is partly hidden counts: what is hidden is rarely like what is seen.
 const PARTLY: f64 = 4.0;
+
+/// Clusters of a smaller radius than this share of their distance may count as one.
+const FAR: f64 = 0.5;
 
 /// A receiver, ready for rays.
 pub(super) struct Place<'s> {
@@ -63,6 +68,40 @@ impl<'s> Place<'s> {
             return 0.0;
         }
         polygon.configuration_factor(self.position, self.normal)
+    }
+
+    /// Whether all of a cluster looks away or is below the horizon, for certain.
+    fn cannot_see(&self, cluster: &Cluster) -> bool {
+        let way = cluster.centre - self.position;
+        if way.dot(self.normal) <= -cluster.radius {
+            return true;
+        }
+        let distance = way.length();
+        if distance <= cluster.radius {
+            return false;
+        }
+        let off = (-cluster.axis.dot(way) / distance).clamp(-1.0, 1.0).acos();
+        off - cluster.angle - (cluster.radius / distance).asin() > core::f64::consts::FRAC_PI_2
+    }
+
+    /// The configuration factors of a cluster's points, each for an equal share of its area, that nothing hides.
+    fn factors(&self, cluster: &Cluster) -> [f64; cluster::POINTS] {
+        cluster.samples.map(|sample| {
+            let way = sample.position - self.position;
+            let cosines = way.dot(self.normal).max(0.0) * (-way.dot(sample.normal)).max(0.0);
+            #[allow(clippy::cast_precision_loss, reason = "few points")]
+            let area = cluster.area / cluster::POINTS as f64;
+            if cosines > 0.0 { area * cosines / (PI * way.length_squared().powi(2)) } else { 0.0 }
+        })
+    }
+
+    /// The sum of those that are seen.
+    fn seen_of(&self, cluster: &Cluster, factors: &[f64]) -> f64 {
+        let is_seen = |(sample, factor): &(&Sample, &f64)| {
+            let to = surface_point(sample.position, sample.normal, sample.primitive);
+            **factor > 0.0 && !self.patches.world.occluded(&self.point, &to)
+        };
+        cluster.samples.iter().zip(factors).filter(is_seen).map(|(_, factor)| factor).sum()
     }
 
     /// Whether one blocker hides all of a polygon.
@@ -175,21 +214,68 @@ impl Solution<'_> {
     pub(super) fn look(&self, place: &Place<'_>, share: f64) -> Vec<Entry> {
         let mut list = Vec::new();
         let nodes = &self.radiosity.patches.nodes;
-        let roots = 0..self.radiosity.patches.roots;
+        let (clusters, roots) = (&self.radiosity.patches.clusters, 0..self.radiosity.patches.roots);
         // What the roots as a whole would give tells what is small.
-        let whole: f64 = roots.clone().map(|root| place.factor(&nodes[root].polygon) * self.levels[root]).sum();
+        let whole: f64 = if clusters.is_empty() {
+            roots.clone().map(|root| place.factor(&nodes[root].polygon) * self.levels[root]).sum()
+        } else {
+            self.whole(place, cluster::FIRST)
+        };
         let large = if self.polished.is_empty() {
             f64::INFINITY
         } else {
             LARGE * self.radiosity.settings.accuracy.sqrt() * whole
         };
         let look = Look { place, small: self.radiosity.settings.accuracy * share * whole, large };
-        if whole > 0.0 {
+        if whole > 0.0 && clusters.is_empty() {
             for root in roots {
                 self.add(&look, root, None, &mut list);
             }
+        } else if whole > 0.0 {
+            self.add_cluster(&look, cluster::FIRST, &mut list);
         }
         list
+    }
+
+    /// What a root or cluster would give if nothing blocked, about.
+    fn whole(&self, place: &Place<'_>, number: u32) -> f64 {
+        let patches = &self.radiosity.patches;
+        let level = self.levels[patches.row(number)];
+        let Some(index) = cluster::index(number) else {
+            return place.factor(&patches.nodes[number as usize].polygon) * level;
+        };
+        let cluster = &patches.clusters[index];
+        if place.cannot_see(cluster) {
+            return 0.0;
+        }
+        if cluster.radius < FAR * place.position.distance(cluster.centre) {
+            return place.factors(cluster).iter().sum::<f64>() * level;
+        }
+        cluster.children.iter().map(|child| self.whole(place, *child)).sum()
+    }
+
+    /// Adds what a root or cluster gives: a far cluster counts as one, seen from the place as far as its points are.
+    fn add_cluster(&self, look: &Look<'_>, number: u32, list: &mut Vec<Entry>) {
+        let (place, patches) = (look.place, &self.radiosity.patches);
+        let row = patches.row(number);
+        let Some(index) = cluster::index(number) else { return self.add(look, row, None, list) };
+        let cluster = &patches.clusters[index];
+        if !(self.levels[row] > 0.0) || place.cannot_see(cluster) {
+            return;
+        }
+        if cluster.radius < FAR * place.position.distance(cluster.centre) {
+            let factors = place.factors(cluster);
+            #[allow(clippy::cast_precision_loss, reason = "few points")]
+            let most = factors.iter().fold(0.0_f64, |most, f| most.max(*f)) * factors.len() as f64;
+            if most > 0.0 && most * (self.levels[row] + self.spreads[row]) <= look.small {
+                let seen = place.seen_of(cluster, &factors);
+                if seen > 0.0 {
+                    list.push(Entry::Node(u32::try_from(row).unwrap_or(0), seen));
+                }
+                return;
+            }
+        }
+        cluster.children.iter().for_each(|child| self.add_cluster(look, *child, list));
     }
 
     /// Adds the light that a list stands for.
@@ -211,8 +297,7 @@ impl Solution<'_> {
     /// Adds the light of lamps at a place.
     pub(super) fn add_lamps(&self, place: &Place<'_>, sum: &mut [f64]) {
         let patches = &self.radiosity.patches;
-        let shines = |n: &&Node| patches.sides[n.side as usize].emission.is_some();
-        for lamp in patches.nodes[..patches.roots].iter().filter(shines) {
+        for lamp in patches.lamps.iter().map(|root| &patches.nodes[*root as usize]) {
             let factor = place.factor(&lamp.polygon);
             if factor > 0.0 {
                 let blockers = place.blockers(&lamp.polygon, lamp.primitive);

@@ -3,54 +3,100 @@
 
 use rayon::prelude::*;
 
+use super::cluster;
 use super::error::RadiosityError;
 use super::exchange::exchange;
-use super::mesh::{Node, Patches};
+use super::mesh::{LEAF, Node, Patches};
+use super::rough::Pair;
 use super::transport::{Link, Spread};
 use super::view::{Between, View};
 
 /// Relative error of exchanges where nothing blocks.
 const TOLERANCE: f64 = 1e-10;
 /// How uncertain a share is of which all points agree, though it isn't proven.
-const AGREED: f64 = 0.125;
+pub(super) const AGREED: f64 = 0.125;
 /// How much the variation over a sender counts, as it is halved again by that of its radiosity.
 const SENDER: f64 = 0.5;
+/// The same for clusters, of which the variation of radiosity is known, at least.
+const CLUSTER_SENDER: f64 = 0.25;
 /// Points on a patch say nothing of the light from what is smaller than this share of its size; then its distance does.
-const SMALL: f64 = 0.5;
+pub(super) const SMALL: f64 = 0.5;
 /// Bytes for a link while links are refined, with those of the operator.
 const LINK_BYTES: usize = 96;
 /// Bytes for a patch.
 const PATCH_BYTES: usize = 512;
 
+/// Luminous values of patches and clusters.
+#[derive(Default)]
+pub(super) struct Values {
+    /// Of the patches there were when they were computed; for newer ones their parents' count.
+    pub(super) patches: Vec<f64>,
+    pub(super) clusters: Vec<f64>,
+}
+
+impl Values {
+    /// From values of the patches followed by those of the clusters.
+    pub(super) fn new(mut rows: Vec<f64>, patches: usize) -> Self {
+        let clusters = rows.split_off(patches.min(rows.len()));
+        Self { patches: rows, clusters }
+    }
+
+    /// Makes all values at least this large.
+    pub(super) fn raise(&mut self, least: f64) {
+        self.patches.iter_mut().chain(&mut self.clusters).for_each(|value| *value = value.max(least));
+    }
+
+    fn at(&self, number: u32) -> f64 {
+        cluster::index(number).map_or_else(|| self.patches[number as usize], |c| self.clusters[c])
+    }
+}
+
 /// What links are refined by.
-pub(super) struct Oracle<'o> {
-    /// Luminous radiosity of the nodes there were when it was computed; for newer ones their parents' counts.
-    pub(super) radiosity: Vec<f64>,
-    /// The same for irradiance; at least as much as counts as darkness.
-    pub(super) irradiance: Vec<f64>,
-    /// Luminous reflectance of the sides.
-    pub(super) reflectance: &'o [f64],
+pub(super) struct Oracle {
+    /// Luminous radiosity.
+    pub(super) radiosity: Values,
+    /// Luminous irradiance; at least as much as counts as darkness.
+    pub(super) irradiance: Values,
+    /// Luminous reflectance.
+    pub(super) reflectance: Values,
+    /// The root mean square deviation of radiosity within clusters.
+    pub(super) uneven: Vec<f64>,
     /// The relative error of irradiance that a link may cause, times the area.
     pub(super) most: f64,
+    /// The same for links with clusters, without the area.
+    pub(super) most_in_cluster: f64,
     /// The most memory, in bytes.
     pub(super) memory: usize,
 }
 
-impl Oracle<'_> {
+impl Oracle {
     fn check(&self, patches: usize, links: usize) -> Result<(), RadiosityError> {
         let bytes = PATCH_BYTES.saturating_mul(patches).saturating_add(LINK_BYTES.saturating_mul(links));
         if bytes <= self.memory { Ok(()) } else { Err(RadiosityError::TooLarge { patches, links, bytes }) }
     }
 
-    /// The relative error of irradiance that a link causes because it is the same all over each end, about, times the area.
+    /// For each end, the relative error of irradiance that a link causes because it is the same all over that end, about, times the area, over
+    /// what is allowed.
     fn errors(&self, patches: &Patches, link: &Link) -> [f64; 2] {
-        let reflectance = |n: u32| self.reflectance[patches.nodes[n as usize].side as usize];
+        if self.most == f64::INFINITY {
+            return [0.0; 2];
+        }
         // What arrives matters as far as it is reflected.
-        let weight =
-            |from: u32, to: u32| reflectance(to) * self.radiosity[from as usize] / self.irradiance[to as usize];
-        let (forth, back) = (weight(link.p, link.q), weight(link.q, link.p));
-        let [p, q] = link.spread.map(|spread| f64::from(spread.flux));
-        [p * back.max(SENDER * forth), q * forth.max(SENDER * back)]
+        let weight = |sent: f64, to: u32| self.reflectance.at(to) * sent / self.irradiance.at(to);
+        let error = |own: u32, other: u32, flux: f32| {
+            let arriving = weight(self.radiosity.at(other), own);
+            match cluster::index(own) {
+                None => arriving.max(weight(SENDER * self.radiosity.at(own), other)) * f64::from(flux) / self.most,
+                Some(index) => {
+                    // The faces of a cluster may be small: each is to have the right light, too.
+                    let over = |error: f64, area: f64| error / self.most.min(self.most_in_cluster * area);
+                    let unevenly = self.uneven[index].max(CLUSTER_SENDER * self.radiosity.at(own));
+                    over(arriving, patches.area(own)).max(over(weight(unevenly, other), patches.area(other)))
+                        * f64::from(flux)
+                }
+            }
+        };
+        [error(link.p, link.q, link.spread[0].flux), error(link.q, link.p, link.spread[1].flux)]
     }
 }
 
@@ -96,50 +142,92 @@ fn seen_share([p, q]: [&Node; 2], [from_p, from_q]: &[View; 2]) -> f64 {
     if open > 0.0 { ((p * from_p.seen + q * from_q.seen) / open).min(1.0) } else { 0.0 }
 }
 
-/// Links between all roots.
-pub(super) fn of_roots(patches: &Patches, oracle: &Oracle<'_>) -> Result<Vec<Link>, RadiosityError> {
-    let roots = u32::try_from(patches.roots).unwrap_or(u32::MAX);
+/// Two ends that may exchange light, and whether nothing blocks, for certain.
+type Ends = (u32, u32, bool);
+
+/// What all links come from.
+pub(super) fn all_pairs(patches: &Patches, oracle: &Oracle) -> Result<Vec<Ends>, RadiosityError> {
+    if !patches.clusters.is_empty() {
+        return Ok(vec![(cluster::FIRST, cluster::FIRST, false)]);
+    }
     oracle.check(patches.roots, patches.roots.saturating_mul(patches.roots) / 4)?;
-    Ok((0..roots)
-        .into_par_iter()
-        .flat_map_iter(|p| (p + 1..roots).filter_map(move |q| link(patches, p, q, false)))
-        .collect())
+    let roots = u32::try_from(patches.roots).unwrap_or(LEAF);
+    Ok((0..roots).flat_map(|p| (p + 1..roots).map(move |q| (p, q, false))).collect())
 }
 
-/// Refines links until each is good enough.
+/// What becomes of two ends.
+fn pair(patches: &Patches, (p, q, clear): Ends) -> Pair {
+    if p == q {
+        return Pair::Near(0);
+    }
+    if cluster::index(p).is_some() || cluster::index(q).is_some() {
+        return patches.rough(p, q);
+    }
+    link(patches, p, q, clear).map_or(Pair::Apart, Pair::Linked)
+}
+
+/// Adds links between pairs to those there are and refines all until each is good enough.
 pub(super) fn refine(
     patches: &mut Patches,
     links: Vec<Link>,
-    oracle: &mut Oracle<'_>,
+    mut pairs: Vec<Ends>,
+    oracle: &mut Oracle,
 ) -> Result<Vec<Link>, RadiosityError> {
     let (mut done, mut open) = (Vec::new(), links);
-    while !open.is_empty() {
-        let mut pairs = Vec::new();
+    loop {
         for link in open {
             if !subdivide(patches, &link, oracle, &mut pairs) {
                 done.push(link);
             }
         }
+        if pairs.is_empty() {
+            return Ok(done);
+        }
         oracle.check(patches.nodes.len(), done.len() + pairs.len())?;
         let known = &*patches;
-        open = pairs.into_par_iter().filter_map(|(p, q, clear)| link(known, p, q, clear)).collect();
+        let found: Vec<Pair> = pairs.par_iter().map(|ends| pair(known, *ends)).collect();
+        let mut next = Vec::new();
+        open = Vec::new();
+        for (found, (p, q, clear)) in found.into_iter().zip(pairs) {
+            match found {
+                Pair::Apart => {}
+                Pair::Linked(link) => open.push(link),
+                Pair::Near(end) => next.extend(parts(patches, [p, q], end).into_iter().map(|[p, q]| (p, q, clear))),
+            }
+        }
+        pairs = next;
     }
-    Ok(done)
 }
 
-/// If a link isn't good enough, replaces it by links to the halves of the end where it causes more of the error, or of the other if that
+/// The pairs that a pair with a cluster at one end consists of.
+fn parts(patches: &Patches, ends: [u32; 2], end: usize) -> Vec<[u32; 2]> {
+    let Some(cluster) = cluster::index(ends[end]) else { return Vec::new() };
+    let [a, b] = patches.clusters[cluster].children;
+    if ends[0] == ends[1] {
+        let within = [a, b].into_iter().filter(|child| cluster::index(*child).is_some()).map(|child| [child; 2]);
+        return within.chain([[a, b]]).collect();
+    }
+    [a, b].map(|child| if end == 0 { [child, ends[1]] } else { [ends[0], child] }).to_vec()
+}
+
+/// If a link isn't good enough, replaces it by links to the parts of the end where it causes more of the error, or of the other if that
 /// can't be split.
-fn subdivide(patches: &mut Patches, link: &Link, oracle: &mut Oracle<'_>, pairs: &mut Vec<(u32, u32, bool)>) -> bool {
+fn subdivide(patches: &mut Patches, link: &Link, oracle: &mut Oracle, pairs: &mut Vec<Ends>) -> bool {
     let errors = oracle.errors(patches, link);
-    if !(errors[0].max(errors[1]) > oracle.most) {
+    if !(errors[0].max(errors[1]) > 1.0) {
         return false;
     }
     let ends = [(link.p, link.q, link.spread[0].cut), (link.q, link.p, link.spread[1].cut)];
     let order = if errors[0] >= errors[1] { [0, 1] } else { [1, 0] };
     for (split, other, cut) in order.map(|end| ends[end]) {
+        if let Some(cluster) = cluster::index(split) {
+            pairs.extend(patches.clusters[cluster].children.map(|child| (child, other, false)));
+            return true;
+        }
         if patches.split_by(split as usize, cut) {
-            oracle.radiosity.resize(patches.nodes.len(), oracle.radiosity[split as usize]);
-            oracle.irradiance.resize(patches.nodes.len(), oracle.irradiance[split as usize]);
+            for values in [&mut oracle.radiosity, &mut oracle.irradiance, &mut oracle.reflectance] {
+                values.patches.resize(patches.nodes.len(), values.patches[split as usize]);
+            }
             let child = patches.nodes[split as usize].child;
             pairs.extend([child, child + 1].map(|c| (c, other, link.clear)));
             return true;

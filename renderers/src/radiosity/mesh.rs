@@ -5,6 +5,7 @@ use glam::{DVec3, Vec3A};
 use spectral_core::brdf::Schlick;
 
 use super::Others;
+use super::cluster::{self, Cluster, clusters};
 use super::error::RadiosityError;
 use super::polygon::{MOST_PATCH_CORNERS, Polygon};
 use super::specular::{self, Kind};
@@ -64,6 +65,10 @@ pub(super) struct Patches {
     pub(super) sides: Vec<Side>,
     /// How many of the nodes, the first, are roots.
     pub(super) roots: usize,
+    /// Groups of roots, parents before their children; none where roots are few.
+    pub(super) clusters: Vec<Cluster>,
+    /// The roots that shine.
+    pub(super) lamps: Vec<u32>,
     /// What blocks: every surface but clear ones. Primitives of shapes with mirrors come last.
     pub(super) world: World,
     /// The first primitive of each shape of the scene; [`NO_PRIMITIVE`] for those that don't block.
@@ -115,13 +120,31 @@ impl Patches {
         let [low, high] = world.bounds();
         let slack = RELATIVE_SLACK * f64::from(low.abs().max(high.abs()).max_element());
         let mut nodes = Vec::new();
-        let neighbours = Neighbours::new(&blockers, &face, slack);
+        let neighbours = Neighbours { world: &world, blockers: &blockers, face: &face, slack };
         for (polygon, side, primitive) in faces {
             for polygon in neighbours.cut(polygon, primitive) {
                 nodes.push(Node { polygon, side, primitive, child: LEAF });
             }
         }
-        Ok(Self { roots: nodes.len(), nodes, sides, world, starts, blockers, face, slack })
+        let clusters = clusters(&nodes, &sides);
+        let shines = |root: &u32| sides[nodes[*root as usize].side as usize].emission.is_some();
+        let lamps = (0..).take(nodes.len()).filter(shines).collect();
+        Ok(Self { roots: nodes.len(), clusters, lamps, nodes, sides, world, starts, blockers, face, slack })
+    }
+
+    /// The area of a patch or of a cluster, by its number.
+    pub(super) fn area(&self, number: u32) -> f64 {
+        cluster::index(number).map_or_else(|| self.nodes[number as usize].polygon.area, |c| self.clusters[c].area)
+    }
+
+    /// Bytes of patches and clusters.
+    pub(super) fn bytes(&self) -> usize {
+        size_of_val(&*self.nodes) + size_of_val(&*self.clusters)
+    }
+
+    /// The number among all patches and clusters, which come after these.
+    pub(super) fn row(&self, number: u32) -> usize {
+        cluster::index(number).map_or(number as usize, |c| self.nodes.len() + c)
     }
 
     /// Gives a patch halves, if it has none; false if it is too small for that.
@@ -347,36 +370,36 @@ pub(super) fn icosahedron() -> (Vec<DVec3>, Vec<[u32; 3]>) {
 /// Where surfaces touch or pass through others, these are cut, so that no patch has light on one side and shadow on the other of a wall
 /// that stands on it (D. R. Baum, S. Mann, K. P. Smith & J. M. Winget, "Making radiosity usable", SIGGRAPH 1991).
 struct Neighbours<'b> {
+    world: &'b World,
     blockers: &'b [Polygon],
-    /// Indices in order of where along x they begin, with that place.
-    order: Vec<(f64, usize)>,
-    widest: f64,
+    face: &'b [u32],
     slack: f64,
 }
 
-impl<'b> Neighbours<'b> {
-    fn new(blockers: &'b [Polygon], face: &[u32], slack: f64) -> Self {
-        let is_first = |index: &usize| face.get(*index).is_some_and(|first| *first as usize == *index);
-        let begin = |index: usize| (blockers[index].centre.x - blockers[index].radius, index);
-        let mut order: Vec<(f64, usize)> = (0..blockers.len()).filter(is_first).map(begin).collect();
-        order.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let widest = blockers.iter().fold(0.0_f64, |widest, b| widest.max(2.0 * b.radius));
-        Self { blockers, order, widest, slack }
+impl Neighbours<'_> {
+    /// The faces that may touch a polygon, in order of where along x they begin.
+    fn near(&self, polygon: &Polygon) -> Vec<usize> {
+        let wider = CLOSE * polygon.radius + self.slack;
+        let low = polygon.corners().iter().fold(DVec3::INFINITY, |low, c| low.min(*c)) - wider;
+        let high = polygon.corners().iter().fold(DVec3::NEG_INFINITY, |high, c| high.max(*c)) + wider;
+        // Boxes are rounded to the precision of rays.
+        let rounding = Vec3A::splat(2.0 * f32::EPSILON) * low.as_vec3a().abs().max(high.as_vec3a().abs());
+        let found = self.world.primitives_near(low.as_vec3a() - rounding, high.as_vec3a() + rounding);
+        let begin = |index: usize| (self.blockers[index].centre.x - self.blockers[index].radius, index);
+        let mut near: Vec<(f64, usize)> =
+            found.iter().filter_map(|p| self.face.get(*p as usize)).map(|face| begin(*face as usize)).collect();
+        near.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        near.dedup();
+        near.into_iter().map(|(_, index)| index).collect()
     }
 
     /// The pieces of a polygon, which is or was on a primitive.
     fn cut(&self, polygon: Polygon, primitive: u32) -> Vec<Polygon> {
         let mut pieces = vec![polygon];
-        let (from, to) =
-            (polygon.centre.x - polygon.radius - self.slack, polygon.centre.x + polygon.radius + self.slack);
-        let first = self.order.partition_point(|(begin, _)| *begin < from - self.widest);
-        for (begin, index) in &self.order[first..] {
-            if *begin > to {
-                break;
-            }
-            let other = &self.blockers[*index];
+        for index in self.near(&polygon) {
+            let other = &self.blockers[index];
             let apart = (other.centre - polygon.centre).length() > other.radius + polygon.radius + self.slack;
-            if *index != primitive as usize && !apart {
+            if index != primitive as usize && !apart {
                 for segment in self.contact(&polygon, other) {
                     pieces = pieces.iter().flat_map(|piece| self.cut_along(piece, segment)).collect();
                 }

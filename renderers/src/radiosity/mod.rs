@@ -20,6 +20,7 @@ mod caustics;
 mod cell;
 mod cells;
 mod charts;
+mod cluster;
 mod contour;
 mod coupled;
 mod error;
@@ -38,6 +39,7 @@ mod polygon;
 mod rays;
 mod reflection;
 mod representation;
+mod rough;
 mod scalar;
 mod shade;
 mod sight;
@@ -217,7 +219,7 @@ impl Radiosity {
         palette: &mut Palette,
         progress: &(dyn Fn(f64) + Sync),
     ) -> Result<Self, RadiosityError> {
-        let mut patches = Patches::new(scene, settings.others, palette)?;
+        let patches = Patches::new(scene, settings.others, palette)?;
         let is_idle = |node: &mesh::Node| {
             let side = &patches.sides[node.side as usize];
             side.mirror && side.emission.is_none()
@@ -226,6 +228,17 @@ impl Radiosity {
             return Err(RadiosityError::NothingDiffuse);
         }
         let sources = Source::all(scene, palette)?;
+        Self::between(patches, sources, settings, palette, progress)
+    }
+
+    /// The same from patches that are not yet refined.
+    fn between(
+        mut patches: Patches,
+        sources: Vec<Source>,
+        settings: &Settings,
+        palette: &Palette,
+        progress: &(dyn Fn(f64) + Sync),
+    ) -> Result<Self, RadiosityError> {
         let links = Builder::new(settings, &patches, &sources, palette)?.build(&mut patches, progress)?;
         let mut buffer = Buffer::default();
         let mut transport = Transport::new(&patches, &links);
@@ -242,7 +255,7 @@ impl Radiosity {
             patches: self.transport.leaves.len(),
             links: self.links,
             uncertain_links: self.uncertain,
-            bytes: self.transport.bytes() + self.patches.nodes.len() * size_of::<mesh::Node>(),
+            bytes: self.transport.bytes() + self.patches.bytes(),
             closed: self.balance.closed,
             row_sum_error: self.balance.before,
             scaled_row_sum_error: self.balance.after,

@@ -120,7 +120,7 @@ impl<'r> Solution<'r> {
     }
 }
 
-/// Ranges of relative radiosity among the leaves of each node.
+/// Ranges of relative radiosity among the leaves of each node, and of each cluster after them.
 fn spreads(
     radiosity: &Radiosity,
     [width, values]: [usize; 2],
@@ -128,17 +128,23 @@ fn spreads(
     means: &[f64],
     relative: impl Fn(f64, f64) -> f64,
 ) -> Vec<f64> {
-    let tree = &radiosity.patches.nodes;
-    let mut spreads = vec![0.0_f64; tree.len()];
+    let (tree, clusters) = (&radiosity.patches.nodes, &radiosity.patches.clusters);
+    let rows = tree.len() + clusters.len();
+    let mut spreads = vec![0.0_f64; rows];
     for component in 0..values {
-        let mut range = vec![[f64::INFINITY, f64::NEG_INFINITY]; tree.len()];
+        let mut range = vec![[f64::INFINITY, f64::NEG_INFINITY]; rows];
+        let both =
+            |range: &[[f64; 2]], [a, b]: [usize; 2]| [range[a][0].min(range[b][0]), range[a][1].max(range[b][1])];
         for (index, node) in tree.iter().enumerate().rev() {
             range[index] = match node.children() {
                 None => [relative(nodes[index * width + component], means[component]); 2],
-                Some([a, b]) => [range[a][0].min(range[b][0]), range[a][1].max(range[b][1])],
+                Some(children) => both(&range, children),
             };
-            spreads[index] = spreads[index].max(range[index][1] - range[index][0]);
         }
+        for (index, cluster) in clusters.iter().enumerate().rev() {
+            range[tree.len() + index] = both(&range, cluster.children.map(|child| radiosity.patches.row(child)));
+        }
+        spreads.iter_mut().zip(&range).for_each(|(spread, [low, high])| *spread = spread.max(high - low));
     }
     spreads
 }

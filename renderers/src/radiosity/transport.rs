@@ -2,6 +2,7 @@
 
 use rayon::prelude::*;
 
+use super::cluster::Cluster;
 use super::mesh::{Cut, LEAF, Patches};
 
 /// Patches whose light is gathered by one task.
@@ -42,6 +43,8 @@ pub(super) struct Transport {
     leaf: Vec<u32>,
     /// Each child's share of its parent's area.
     share: Vec<f64>,
+    /// Clusters, which come after the patches: the children's rows, and their shares of the area.
+    clusters: Vec<([usize; 2], [f64; 2])>,
     starts: Vec<usize>,
     sources: Vec<u32>,
     factors: Vec<f64>,
@@ -52,30 +55,37 @@ pub(super) struct Transport {
 impl Transport {
     pub(super) fn new(patches: &Patches, links: &[Link]) -> Self {
         let count = patches.nodes.len();
-        let mut starts = vec![0; count + 1];
+        let rows = count + patches.clusters.len();
+        let mut starts = vec![0; rows + 1];
         for link in links {
-            starts[link.p as usize + 1] += 1;
-            starts[link.q as usize + 1] += 1;
+            starts[patches.row(link.p) + 1] += 1;
+            starts[patches.row(link.q) + 1] += 1;
         }
-        for i in 0..count {
+        for i in 0..rows {
             starts[i + 1] += starts[i];
         }
         let mut next = starts.clone();
         let (mut sources, mut factors) = (vec![0; 2 * links.len()], vec![0.0; 2 * links.len()]);
         for link in links {
             for (to, from) in [(link.p, link.q), (link.q, link.p)] {
-                let place = next[to as usize];
-                next[to as usize] += 1;
-                sources[place] = from;
-                factors[place] = link.exchange * link.seen / patches.nodes[to as usize].polygon.area;
+                let row = patches.row(to);
+                let place = next[row];
+                next[row] += 1;
+                sources[place] = u32::try_from(patches.row(from)).unwrap_or(LEAF);
+                factors[place] = link.exchange * link.seen / patches.area(to);
             }
         }
+        let cluster = |c: &Cluster| {
+            let [a, b] = c.children.map(|child| patches.area(child));
+            (c.children.map(|child| patches.row(child)), [a / (a + b), b / (a + b)])
+        };
         let mut result = Self {
             leaves: Vec::new(),
             areas: Vec::new(),
             children: patches.nodes.iter().map(|n| n.child).collect(),
             leaf: vec![LEAF; count],
             share: vec![1.0; count],
+            clusters: patches.clusters.iter().map(cluster).collect(),
             starts,
             sources,
             factors,
@@ -126,6 +136,7 @@ impl Transport {
             children: vec![LEAF; count],
             leaf: numbers.clone(),
             share: vec![1.0; count],
+            clusters: Vec::new(),
             starts: (0..=count).map(|node| node * count).collect(),
             sources: (0..count).flat_map(|_| numbers.iter().copied()).collect(),
             factors,
@@ -133,21 +144,21 @@ impl Transport {
         }
     }
 
-    /// How many nodes there are.
-    pub(super) const fn nodes(&self) -> usize {
-        self.children.len()
+    /// How many nodes and clusters there are.
+    pub(super) const fn rows(&self) -> usize {
+        self.children.len() + self.clusters.len()
     }
 
     /// Bytes that it takes.
     pub(super) fn bytes(&self) -> usize {
-        12 * self.factors.len() + 24 * self.nodes() + 20 * self.leaves.len()
+        12 * self.factors.len() + 32 * self.rows() + 20 * self.leaves.len()
     }
 
-    /// The mean over each node of `width` values for each leaf, times `scale` of the leaf.
+    /// The mean over each node and cluster of `width` values for each leaf, times `scale` of the leaf.
     pub(super) fn pull(&self, leaves: &[f64], width: usize, scale: impl Fn(usize) -> f64, nodes: &mut Vec<f64>) {
         nodes.clear();
-        nodes.resize(self.nodes() * width, 0.0);
-        for node in (0..self.nodes()).rev() {
+        nodes.resize(self.rows() * width, 0.0);
+        for node in (0..self.children.len()).rev() {
             let child = self.children[node];
             if child == LEAF {
                 let leaf = self.leaf[node] as usize;
@@ -166,15 +177,22 @@ impl Transport {
                 }
             }
         }
+        for (index, (children, shares)) in self.clusters.iter().enumerate().rev() {
+            let row = (self.children.len() + index) * width;
+            for k in 0..width {
+                let [a, b] = children.map(|child| nodes[child * width + k]);
+                nodes[row + k] = shares[0] * a + shares[1] * b;
+            }
+        }
     }
 
     /// Irradiance on the leaves from their radiosity, `width` components each.
     pub(super) fn apply(&self, radiosity: &[f64], irradiance: &mut [f64], width: usize, buffer: &mut Buffer) {
         self.pull(radiosity, width, |leaf| self.scale[leaf], &mut buffer.radiosity);
         buffer.irradiance.clear();
-        buffer.irradiance.resize(self.nodes() * width, 0.0);
+        buffer.irradiance.resize(self.rows() * width, 0.0);
         let from = &buffer.radiosity;
-        if self.nodes() <= CHUNK {
+        if self.rows() <= CHUNK {
             // Too little for more than one thread.
             for (node, row) in buffer.irradiance.chunks_mut(width).enumerate() {
                 self.gather(node, from, row);
@@ -198,9 +216,17 @@ impl Transport {
         }
     }
 
-    /// Adds the values of nodes to those of their halves, down to the leaves.
+    /// Adds the values of clusters and nodes to those of their halves, down to the leaves.
     fn push(&self, nodes: &mut [f64], leaves: &mut [f64], width: usize) {
-        for node in 0..self.nodes() {
+        for (index, (children, _)) in self.clusters.iter().enumerate() {
+            let row = (self.children.len() + index) * width;
+            for child in children {
+                for k in 0..width {
+                    nodes[child * width + k] += nodes[row + k];
+                }
+            }
+        }
+        for node in 0..self.children.len() {
             let child = self.children[node];
             if child == LEAF {
                 let leaf = self.leaf[node] as usize;

@@ -10,7 +10,7 @@ use glam::DVec3;
 /// Nodes of the Gauss–Legendre rule with two points on [0, 1].
 const GAUSS: [f64; 2] = [0.211_324_865_405_187_1, 0.788_675_134_594_812_9];
 /// The most points on a patch.
-const MOST_POINTS: usize = 6;
+pub(super) const MOST_POINTS: usize = 6;
 /// Patches so many times as long as wide are not split across their width.
 const SLIM: f64 = 8.0;
 /// How far from the middle towards the corners the points of polygons with many corners are.
@@ -116,7 +116,7 @@ impl Patches {
     }
 
     /// The configuration factor of a polygon that nothing hides: 0 from behind or from its plane.
-    fn factor(&self, polygon: &Polygon, point: DVec3, normal: DVec3) -> f64 {
+    pub(super) fn factor(&self, polygon: &Polygon, point: DVec3, normal: DVec3) -> f64 {
         if (point - polygon.centre).dot(polygon.normal) <= self.slack {
             return 0.0;
         }
@@ -153,7 +153,7 @@ impl Patches {
 }
 
 /// The cut across the direction in which values at the points vary most.
-fn best_cut(polygon: &Polygon, values: &[f64; MOST_POINTS]) -> Cut {
+pub(super) fn best_cut(polygon: &Polygon, values: &[f64; MOST_POINTS]) -> Cut {
     match *polygon.corners() {
         [a, b, c, d] => {
             let along_u = (values[0] - values[2]).abs() + (values[1] - values[3]).abs();
