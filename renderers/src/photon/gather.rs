@@ -1,7 +1,7 @@
 //! Final gathers from a global photon map: the light that reaches a place from what surfaces around it reflect.
 //!
 //! Radiosity is found beforehand, at places where photons of a pass of their own landed (Christensen, "Faster Photon Map Global
-//! Illumination", 1999): not at those of the map's photons, where density is more than its mean. Light that comes straight from lights is
+//! Illumination", 1999): not at those of the map's photons, where density is more than its mean; and evenly. Light that comes straight from lights is
 //! known exactly there, that which comes by way of mirrors and glass alone is estimated from photons. So is other light, at first; then it is
 //! gathered at some of the places, since a gather near a corner sees hardly more than one place, and with it the noise of a few photons. A ray
 //! of a gather finds the nearest place on the surface that it meets.
@@ -12,6 +12,7 @@ use rayon::prelude::*;
 use super::density::region;
 use super::global::{Global, Kept, Released, Spot, reflectance};
 use super::map::Near;
+use super::thin::thinned;
 use super::{Balance, Density, Estimate, Extents, Photon, PhotonMap, Place, Shades};
 use crate::direct::{Receiver, single};
 use crate::geometry::sampling::{SobolSequence, combine, square_to_disk};
@@ -22,8 +23,8 @@ use crate::scene::Scene;
 use crate::spectral::{Factor, FactorOrder};
 use crate::whitted::{Whitted, Worker};
 
-/// As many photons are sent for each that is sent to find places.
-const PHOTONS_OF_A_PLACE: u64 = 8;
+/// As many photons are sent for each that is sent to find places, and for each place that is kept of those found.
+const PHOTONS_OF_A_PLACE: [u64; 2] = [2, 8];
 
 /// The pass of photons whose places these are.
 const PLACING: u32 = 1;
@@ -91,14 +92,17 @@ impl<'s> Gatherer<'s> {
             Known { map, shades: &shades, brightness: &brightness }
         };
         let Released { photons: others, spots, .. } = global.emit(others, (PLACING, Kept::Spread), progress);
-        let places = PhotonMap::new(others);
+        let wanted = usize::try_from(settings.photons.div_ceil(PHOTONS_OF_A_PLACE[1])).unwrap_or(usize::MAX);
+        let chosen = thinned(&others, wanted);
+        let places = PhotonMap::new(chosen.iter().map(|number| others[*number]).collect());
+        let spot = |origin: &u32| spots.get(*chosen.get(*origin as usize)?).copied();
         let mut gatherer = Self {
             scene,
             materials: scene.materials().collect(),
             representation,
             settings,
             extents: Extents::new(data.shapes.iter().map(|shape| &shape.geometry)),
-            spots: places.origins().iter().filter_map(|origin| spots.get(*origin as usize).copied()).collect(),
+            spots: places.origins().iter().filter_map(spot).collect(),
             places,
             radiosity: Vec::new(),
             photons: photons.len(),
@@ -311,5 +315,5 @@ fn nearest(map: &PhotonMap, place: &Place<'_>, near: &mut Vec<Near>) -> Option<u
 
 /// How many photons the map has, and how many others say where radiosity is found.
 fn counts(photons: u64) -> [u64; 2] {
-    [photons, photons.div_ceil(PHOTONS_OF_A_PLACE)]
+    [photons, photons.div_ceil(PHOTONS_OF_A_PLACE[0])]
 }

@@ -24,6 +24,7 @@ mod release;
 mod shades;
 mod spectra;
 mod target;
+mod thin;
 mod trace;
 mod waves;
 
