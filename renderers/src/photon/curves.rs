@@ -220,6 +220,15 @@ pub(crate) fn shift(first: &[Scattered], last: &[Scattered]) -> f32 {
     of_nine_in_ten(&mut distances)
 }
 
+/// Calls with the places of photons that correspond to each other.
+pub(crate) fn places(first: &[Scattered], last: &[Scattered], mut call: impl FnMut([f32; 3], [f32; 3])) {
+    pair_up(first, last, |a, b| {
+        if let (Some(a), Some(b)) = (a, b) {
+            call(a.photon.position, b.photon.position);
+        }
+    });
+}
+
 /// What nine of ten numbers don't exceed; 0 if there are none.
 fn of_nine_in_ten(distances: &mut [f32]) -> f32 {
     let place = distances.len() * 9 / 10;

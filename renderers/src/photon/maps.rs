@@ -6,6 +6,7 @@ use std::collections::HashMap;
 use std::sync::{Mutex, OnceLock};
 
 use super::curves::{self, Curves};
+use super::reached::Reached;
 use super::waves::{Bundle, Waves};
 use super::{
     Account, Density, Emission, Emitted, Estimate, Extents, Photon, PhotonMap, Place, Prefix, Scattered, Spectra,
@@ -55,6 +56,8 @@ pub(crate) struct Maps<'s> {
     shift: f64,
     /// How much fluxes change in [`PROBES`] nm where they change the most, relative to themselves.
     steepest: f64,
+    /// Where paths that depend on the wavelength come to.
+    reached: Reached,
     bands: Bands,
     /// The map for all waves, if paths depend on them.
     whole: Option<Arc<Slot>>,
@@ -111,9 +114,9 @@ const SHORT: f32 = 1e-4;
 /// Wavelengths in nm between which glass is as dispersive as anywhere in the visible.
 const MOST_DISPERSIVE: [f64; 2] = [390.0, 410.0];
 
-/// Steps in nm in which it is looked at how fluxes change, and by how many paths.
+/// Steps in nm in which it is looked at how fluxes change and where photons come to, and by how many paths.
 const PROBES: u32 = 10;
-const PROBED: usize = 256;
+const PROBED: usize = 512;
 
 /// How much fluxes may change, relative to themselves, within a band whose parts don't have photons of their own.
 const CHANGE: f64 = 0.02;
@@ -142,6 +145,7 @@ impl<'s> Maps<'s> {
             curves: None,
             shift: 0.0,
             steepest: 0.0,
+            reached: Reached::default(),
             bands: Bands::default(),
             whole: None,
             sent: account.sent,
@@ -150,7 +154,8 @@ impl<'s> Maps<'s> {
         };
         if !maps.prefixes.is_empty() {
             let near = NEAR * maps.usual_radius();
-            (maps.shift, maps.steepest) = (maps.shift(), maps.steepest());
+            maps.shift = maps.shift();
+            (maps.steepest, maps.reached) = maps.probe();
             if rethrow == Rethrow::Interpolated {
                 maps.curves = Some(maps.interpolated(near));
             }
@@ -174,17 +179,18 @@ impl<'s> Maps<'s> {
         f64::from(curves::shift(&self.tried(TRIED, first), &self.tried(TRIED, last))) / (last - first)
     }
 
-    /// How much fluxes change in a step where they change the most, relative to themselves.
-    fn steepest(&self) -> f64 {
+    /// How much fluxes change in a step where they change the most, relative to themselves, and where photons come to.
+    fn probe(&self) -> (f64, Reached) {
         let wavelengths = (0..).map(|step| FIRST_WAVELENGTH + f64::from(PROBES * step));
         let mut before = self.tried(PROBED, FIRST_WAVELENGTH);
-        let mut steepest = 0.0;
+        let (mut steepest, mut reached) = (0.0, Reached::new(self.density.radius));
         for wavelength in wavelengths.skip(1).take_while(|w| *w <= LAST_WAVELENGTH) {
             let next = self.tried(PROBED, wavelength);
             steepest = f64::max(steepest, f64::from(curves::change(&before, &next)));
+            curves::places(&before, &next, |from, to| reached.add(from, to));
             before = next;
         }
-        steepest
+        (steepest, reached)
     }
 
     /// The band itself, or the half, quarter, … of all waves that it is in, if it is so narrow that photons of one map will do for these: as
@@ -232,7 +238,10 @@ impl<'s> Maps<'s> {
 
     /// The photons of a band.
     fn throw(&self, band: Band) -> Thrown {
-        let wavelength_of = |path: u32| self.waves.of_path(band, path);
+        // The map of all waves says where light is: it has all of them in any case.
+        let is_whole = band.limits == WHOLE.limits;
+        let wavelength_of =
+            |path: u32| if is_whole { self.waves.spread(band, path) } else { self.waves.of_path(band, path) };
         if let Some(Interpolated { curves, spectra, .. }) = &self.curves {
             let photons = curves.photons(band.limits, wavelength_of);
             return Thrown::new(photons, Arc::clone(spectra), self.emission);
@@ -389,10 +398,13 @@ impl Caustics for Maps<'_> {
         self.find(slot.thrown(|band| self.throw(band)), hit, Ok(reach), found)
     }
 
-    /// The radius is that for all waves, so that estimates for bands of them differ by nothing else.
+    /// The radius is that for all waves, so that estimates for bands of them differ by nothing else. Where there are too few for that, as at
+    /// the ends of a spectrum, it is the largest.
     fn reach(&self, hit: &Hit, least: f32, scratch: &mut Estimate) -> Option<Reach> {
         let thrown = self.whole.as_ref()?.thrown.get()?;
-        self.reach_in(thrown, &self.place(hit), least, scratch)
+        let largest = || Reach { radius: self.density.radius * self.shrink, bias: 0.0 };
+        let reach = self.reach_in(thrown, &self.place(hit), least, scratch);
+        reach.or_else(|| self.reached.is_near(hit.position).then(largest))
     }
 }
 

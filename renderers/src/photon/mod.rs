@@ -22,6 +22,7 @@ mod products;
 mod random;
 mod release;
 mod shades;
+mod reached;
 mod spectra;
 mod target;
 mod thin;

@@ -46,8 +46,13 @@ impl Waves {
     pub(crate) fn of_path(&self, band: Band, path: u32) -> f64 {
         match self.bundle {
             Bundle::Single => band.wavelength,
-            Bundle::Continuous => self.at(band, (f64::from(path) * GOLDEN).fract()),
+            Bundle::Continuous => self.spread(band, path),
         }
+    }
+
+    /// The same for photons that are spread over the band.
+    pub(crate) fn spread(&self, band: Band, path: u32) -> f64 {
+        self.at(band, (f64::from(path) * GOLDEN).fract())
     }
 
     /// The wavelength in nm below which this share of a band's sensitivity is.
