@@ -51,9 +51,9 @@ def upright(gap):
 def main():
     print("# Unit squares: area times form factor in 50-digit arithmetic, written by tests/peers/exchange_reference.py.")
     print("# kind, distance or gap, exchange")
-    for h in ["1e-3", "3e-3", "0.01", "0.03", "0.1", "0.3", "0.7", "1", "1.5", "2", "3", "4", "5", "7", "10", "15", "20", "30", "50", "70", "100"]:
+    for h in ["1e-3", "3e-3", "0.01", "0.03", "0.1", "0.3", "0.7", "1", "1.5", "2", "3", "4", "5", "5.5", "6", "7", "8", "9", "10", "12", "15", "20", "30", "50", "70", "100"]:
         print(f"parallel, {h}, {mp.nstr(opposite(mpf(float(h))), 25)}")
-    for gap in ["0", "1e-9", "1e-6", "1e-3", "3e-3", "0.01", "0.03", "0.1", "0.3", "1", "2", "3", "5", "10", "20", "50", "100"]:
+    for gap in ["0", "1e-9", "1e-6", "1e-3", "3e-3", "0.01", "0.03", "0.1", "0.3", "1", "2", "3", "5", "7", "8", "10", "12", "20", "50", "100"]:
         print(f"perpendicular, {gap}, {mp.nstr(upright(mpf(float(gap))), 25)}")
 
 

@@ -202,6 +202,62 @@ fn cornell_box_is_as_accurate_as_asked_for() {
     }
 }
 
+/// A closed room with a lamp and 125 turned boxes: more faces than are linked all to all.
+fn crowded_room() -> Scene {
+    let grey = |rho: f64| format!("<bsdf type='diffuse'><spectrum name='reflectance' value='{rho}'/></bsdf>");
+    let cube = |transform: &str, rest: &str| {
+        format!("<shape type='cube'><transform name='to_world'>{transform}</transform>{rest}</shape>")
+    };
+    let mut body = cube("<scale value='2'/>", &(grey(0.7) + "<boolean name='flip_normals' value='true'/>"));
+    body += "<shape type='rectangle'><transform name='to_world'><scale value='0.5'/><rotate x='1' angle='180'/>
+        <translate z='1.9'/></transform><emitter type='area'><spectrum name='radiance' value='10'/></emitter></shape>";
+    for index in 0..125 {
+        let at = [index % 5, index / 5 % 5, index / 25].map(|i| f64::from(i) * 0.68 - 1.36);
+        let (turn, axis) = (f64::from(index) * 137.5, (f64::from(index) * 0.618).fract());
+        let transform = format!(
+            "<scale value='0.14'/><rotate x='1' y='{axis}' z='0.5' angle='{turn}'/><translate x='{}' y='{}' z='{}'/>",
+            at[0], at[1], at[2]
+        );
+        body += &cube(&transform, &grey(if index % 3 == 0 { 0.8 } else { 0.3 }));
+    }
+    let xml = format!(
+        "<scene version='3.0.0'><sensor type='perspective'><float name='fov' value='40'/></sensor>{body}</scene>"
+    );
+    load(&Source::text("crowded.xml", xml), &[]).unwrap()
+}
+
+#[test]
+fn a_crowded_room_agrees_with_random_walks() {
+    let scene = crowded_room();
+    let mut palette = Palette::default();
+    let settings = Settings { accuracy: 1e-2, ..Settings::default() };
+    let radiosity = Radiosity::new(&scene, &settings, &mut palette, &|_| {}).unwrap();
+    let bins = walked_bins(&scene, &mut palette);
+    let solution = radiosity.solve(&bins).unwrap();
+    let light = IndirectRadiosity::new(&solution, &bins).unwrap();
+    let walker = Walker::new(&scene, &mut palette, &bins).unwrap();
+    eprintln!("{:?}", solution.report());
+    for (position, normal) in [
+        ([0.3, -0.4, -2.0], [0.0, 0.0, 1.0]),
+        ([-1.7, 1.8, -2.0], [0.0, 0.0, 1.0]),
+        ([2.0, 0.2, 0.1], [-1.0, 0.0, 0.0]),
+        ([-0.9, 0.6, 2.0], [0.0, 0.0, -1.0]),
+        ([0.34, 0.34, 0.34], [0.0, 0.6, 0.8]),
+        ([-1.0, -1.0, -1.0], [0.6, -0.8, 0.0]),
+    ] {
+        let vector = |[x, y, z]: [f64; 3]| renderers::scene::glam::DVec3::new(x, y, z);
+        let found = renderers::illuminance::IndirectLight::irradiance(&light, vector(position), vector(normal)).lux;
+        let walked = walker.indirect(&Receiver::new(position, normal).unwrap(), 16);
+        eprintln!(
+            "{position:?}: {found} {walked:?} {:.4} ± {:.4}",
+            found / walked.mean - 1.0,
+            walked.deviation / walked.mean
+        );
+        let tolerance = 4.0 * walked.deviation + 3.0 * settings.accuracy * walked.mean;
+        assert!((found - walked.mean).abs() <= tolerance, "{position:?}: {found}, by walks {walked:?}");
+    }
+}
+
 /// The table of walks is what they find, up to chance.
 #[test]
 fn walks_find_what_is_in_their_table() {

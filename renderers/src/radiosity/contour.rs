@@ -38,6 +38,8 @@ pub(super) fn contour_exchange(p: &Polygon, q: &Polygon, tolerance: f64) -> f64 
     (sum * unit * unit / (2.0 * core::f64::consts::PI)).max(0.0)
 }
 
+/// The error of a rule for the logarithm of the distance, over the power of the ellipse: its coefficients fall like 1/n.
+const LOGARITHM: f64 = 0.1;
 /// The largest rule for an edge in [`far_exchange`].
 const MOST_FAR_NODES: usize = 5;
 /// Room for the points of one contour there.
@@ -152,22 +154,28 @@ const COEFFICIENTS: [f64; MOST_TERMS as usize] = {
     all
 };
 
-/// The same for far polygons, by Gauss–Legendre rules with so many nodes on the edges of each. Only the logarithm of the distance over that of
-/// the centres counts, which loses little: `None` where that is more than a share of `rounding`, or where they are near.
-pub(super) fn far_exchange(p: &Polygon, q: &Polygon, nodes: [usize; 2], rounding: f64) -> Option<f64> {
-    if nodes.iter().any(|n| *n > MOST_FAR_NODES) {
-        return None;
-    }
+/// The same for far polygons by Gauss–Legendre rules on the edges, along each of which the integrand is analytic within an ellipse
+/// ([`nodes_for`]). Only the logarithm of the distance over that of the centres counts, which loses little. `None` where rules with few nodes
+/// are worse than `tolerance`, as for light at grazing angles.
+pub(super) fn far_exchange(p: &Polygon, q: &Polygon, ellipses: [f64; 2], tolerance: f64) -> Option<f64> {
     let between = q.centre - p.centre;
     let squared = between.length_squared();
+    let lengths = [p, q].map(|polygon| polygon.edges().map(|[from, to]| (to - from).length()).sum::<f64>());
+    let cosines = between.dot(p.normal) * -between.dot(q.normal) / squared;
+    // What rules make of edges doesn't cancel as the integrals do: their error counts in proportion to what is left of these.
+    let left = 2.0 * cosines * p.area * q.area / (squared * lengths[0] * lengths[1]);
+    let size = p.radius.max(q.radius) / squared.sqrt();
+    let nodes = ellipses.map(|ellipse| nodes_for(ellipse, tolerance * left / (LOGARITHM * size)));
+    if !(left > 0.0) || nodes.iter().any(|n| *n > MOST_FAR_NODES) {
+        return None;
+    }
     let (one, other) = (Contour::new(p, nodes[0], between), Contour::new(q, nodes[1], -between));
     let ([a, b], [c, d]) = (one.largest(), other.largest());
     let most = (b + d + 2.0 * a * c) / squared;
     let argument = most / (2.0 - most);
-    let terms = (1.0 + (0.1 * rounding).ln() / argument.ln()) / 2.0;
-    let lengths = [p, q].map(|polygon| polygon.edges().map(|[from, to]| (to - from).length()).sum::<f64>());
-    let lost = 4.0 * f64::EPSILON * argument * lengths[0] * lengths[1] * squared / (p.area * q.area);
-    if !(most < 1.0 && terms <= MOST_TERMS && lost <= rounding) {
+    let terms = (1.0 + (0.1 * tolerance * left).ln() / argument.ln()) / 2.0;
+    let lost = f64::EPSILON * argument / left;
+    if !(most < 1.0 && terms <= MOST_TERMS && lost <= tolerance) {
         return None;
     }
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "at most MOST_TERMS")]

@@ -10,8 +10,6 @@ use super::polygon::Polygon;
 const CANCELLATION: f64 = 4.0 * f64::EPSILON;
 /// Rounding that is put up with: rules that do better take several times as long.
 const ROUNDING: f64 = 6e-13;
-/// How much larger the error of a rule is for cos cos / r² than for the logarithm of the distance along the contours, at least.
-const LOGARITHM: f64 = 8.0;
 /// Rules with so many nodes a side, or fewer, beat the contours.
 const FEW_NODES: usize = 3;
 /// Rules with so many nodes a side, or fewer, beat closed forms for the inner integral.
@@ -40,8 +38,9 @@ pub(super) fn exchange(p: &Polygon, q: &Polygon, slack: f64, tolerance: f64) -> 
     let other_ellipse = ellipse_beyond(large, distance - large.radius - small.radius);
     let others = nodes_for(other_ellipse, tolerance);
     if nodes.max(others) > FEW_NODES {
-        let nodes = [ellipse, other_ellipse].map(|ellipse| nodes_for(ellipse, LOGARITHM * tolerance));
-        if let Some(sum) = far_exchange(small, large, nodes, tolerance.max(ROUNDING)) {
+        let gap = large.distance(small.centre) - small.radius;
+        let ellipses = [small, large].map(|polygon| ellipse_beyond(polygon, gap));
+        if let Some(sum) = far_exchange(small, large, ellipses, tolerance.max(ROUNDING)) {
             return sum;
         }
     }
@@ -123,7 +122,7 @@ mod tests {
 
     use super::*;
 
-    const TOLERANCE: f64 = 1e-13;
+    const TOLERANCE: f64 = 1e-14;
 
     fn polygon(corners: &[[f64; 3]]) -> Polygon {
         let corners: Vec<DVec3> = corners.iter().map(|c| DVec3::from_array(*c)).collect();
@@ -178,6 +177,34 @@ mod tests {
                 assert!((found / exact - 1.0).abs() <= slack, "{h}: {found} {exact} {:e}", found / exact - 1.0);
             }
         }
+    }
+
+    /// Triangles and quadrilaterals at some diameters of each other, turned any way, against a far finer rule over one of them.
+    #[test]
+    fn far_polygons_of_all_turns() {
+        let shapes = [
+            polygon(&[[0.0; 3], [1.0, 0.0, 0.0], [0.2, 1.0, 0.0]]),
+            polygon(&[[0.0; 3], [1.0, 0.0, 0.0], [0.9, 0.8, 0.0], [0.1, 0.6, 0.0]]),
+            floor(),
+        ];
+        let mut count = 0;
+        for index in 0_u32..300 {
+            let [a, b, c, d] = crate::radiosity::sight::spread(index).map(|x| 2.0 * PI * x);
+            let way = DVec3::new(a.sin(), a.cos(), 1.0 + b.sin()) * (4.0 + f64::from(index % 11));
+            let turn = glam::DQuat::from_euler(glam::EulerRot::XYZ, b, c, d);
+            let (p, q) = (shapes[index as usize % 3], shapes[index as usize / 3 % 3]);
+            let corners: Vec<DVec3> = q.corners().iter().map(|x| turn * *x + way).collect();
+            let q = Polygon::new(&corners, turn * q.normal).unwrap();
+            let found = exchange(&p, &q, 1e-12, TOLERANCE);
+            // Where a horizon cuts, rules are not so good.
+            let above = |p: &Polygon, q: &Polygon| p.corners().iter().all(|x| (*x - q.centre).dot(q.normal) > 0.1);
+            if above(&p, &q) && above(&q, &p) {
+                let fine = over_points(&p, 12, |x, w| w * q.configuration_factor(x, p.normal));
+                assert!((found / fine - 1.0).abs() <= 5e-12, "{index}: {found} {fine} {:e}", found / fine - 1.0);
+                count += 1;
+            }
+        }
+        assert!(count > 50, "{count}");
     }
 
     #[test]
