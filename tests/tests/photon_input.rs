@@ -5,7 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-use renderers::render::{Options, PhotonCount, PhotonOptions, Renderer, Rendering, Spectra, render};
+use renderers::render::{Between, Options, PhotonCount, PhotonOptions, Renderer, Rendering, Spectra, render};
 use renderers::scene::{Scene, builtin};
 use serde_json::Value;
 use spectral_tests::program;
@@ -62,11 +62,9 @@ fn counts_out_of_range_are_refused() {
     assert!(none.contains("--photons") && none.contains('0'), "{none}");
     for many in ["99999999999", "18446744073709551615"] {
         let text = refusal(&format!("--photons {many}"));
-        println!("{text}");
         assert!(text.contains(many) && text.contains("GiB"), "{text}");
     }
     let text = refusal("--photons 1000000000");
-    println!("{text}");
     assert!(text.contains("GiB"), "{text}");
     for (arguments, name) in [
         ("--photons -1", "photons"),
@@ -79,7 +77,6 @@ fn counts_out_of_range_are_refused() {
         ("--kernel gauss", "kernel"),
     ] {
         let text = refusal(arguments);
-        println!("{arguments}: {text}");
         assert!(text.contains(name), "{arguments}: {text}");
     }
 }
@@ -97,7 +94,6 @@ fn scenes_without_anything_for_photons_are_drawn_with_a_note() {
         let scene = written(&folder, &body);
         let answer = answer(&folder, &scene, "--photons 2000");
         let map = &answer["photon_map"];
-        println!("{name}: {map}");
         assert_eq!(!notes(&answer).is_empty(), !light_sees, "{name}: {map}");
         assert_eq!(map["emitted"].as_u64().unwrap() > 0, light_sees, "{name}: {map}");
         let share = |key: &str| map["flux"][key].as_f64().unwrap();
@@ -150,7 +146,8 @@ fn the_answer_has_its_keys() {
 }
 
 fn picture(scene: &Scene, spectra: Spectra, threads: usize) -> Rendering {
-    let photons = PhotonOptions { count: PhotonCount::Count(20_000), between: false, ..PhotonOptions::default() };
+    let photons =
+        PhotonOptions { count: PhotonCount::Count(20_000), between: Between::Ambient, ..PhotonOptions::default() };
     let options = Options {
         renderer: Renderer::PhotonMap,
         spectra,

@@ -6,7 +6,7 @@ use core::f64::consts::PI;
 use renderers::geometry::sampling::SobolSequence;
 use renderers::render::{Options, Spectra, render};
 use renderers::scene::{Scene, Source, load};
-use renderers::spectral::{FactorOrder, IntervalSettings, Palette, Radiance, Tracer};
+use renderers::spectral::{Band, FactorOrder, IntervalSettings, Palette, Radiance, Tracer};
 use renderers::whitted::{Whitted, Worker};
 use spectral_core::colour::rgb::linear_rgb_to_xyz;
 
@@ -175,7 +175,7 @@ fn through_glass(scene: &Scene, wavelength: f64) -> f64 {
     worker.start_pixel(SobolSequence::new(0));
     worker.sample(0.5, 0.5, 1.0, &mut radiance);
     let [(deferred, _, weight)] = *radiance.deferred() else { panic!("not one deferred path: {radiance:?}") };
-    let traced = worker.trace(deferred, wavelength);
+    let traced = worker.trace(deferred, Band::single(wavelength));
     weight * traced.terms().iter().map(|(_, w)| w).sum::<f64>()
 }
 

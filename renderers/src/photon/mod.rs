@@ -20,9 +20,9 @@ mod points;
 mod products;
 #[cfg(test)]
 mod random;
+mod reached;
 mod release;
 mod shades;
-mod reached;
 mod spectra;
 mod target;
 mod thin;

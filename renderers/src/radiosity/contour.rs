@@ -47,7 +47,7 @@ const ROOM: usize = MOST_FAR_NODES * MOST_CORNERS;
 /// Room for their pairs with the points of one edge.
 const MOST_PAIRS: usize = MOST_FAR_NODES * ROOM;
 /// The most terms of the series of the logarithm.
-const MOST_TERMS: f64 = 24.0;
+const MOST_TERMS: u8 = 24;
 
 /// The points of a rule on edges, from the polygon's centre, each with a weight and with what it alone adds to the square of the
 /// distance between the centres.
@@ -175,7 +175,7 @@ pub(super) fn far_exchange(p: &Polygon, q: &Polygon, ellipses: [f64; 2], toleran
     let argument = most / (2.0 - most);
     let terms = (1.0 + (0.1 * tolerance * left).ln() / argument.ln()) / 2.0;
     let lost = f64::EPSILON * argument / left;
-    if !(most < 1.0 && terms <= MOST_TERMS && lost <= tolerance) {
+    if !(most < 1.0 && terms <= f64::from(MOST_TERMS) && lost <= tolerance) {
         return None;
     }
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "at most MOST_TERMS")]
