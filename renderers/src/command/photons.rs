@@ -8,14 +8,11 @@ use serde_json::json;
 
 use super::Failure;
 
-/// The most photons that are taken for meant.
-const MOST_PHOTONS: u64 = 1_000_000_000;
-
 /// Options of the photon map.
 #[derive(Debug, Args)]
 pub(super) struct PhotonArguments {
     /// Photons that meet mirrors and glass; 200000 by default.
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
     photons: Option<u64>,
     /// As many photons as it takes for this relative error where they land, instead of a number of them.
     #[arg(long, value_name = "SHARE", allow_negative_numbers = true, conflicts_with = "photons")]
@@ -142,8 +139,9 @@ impl PhotonArguments {
 
     fn count(&self, default: PhotonCount) -> Result<PhotonCount, Failure> {
         match (self.photons, self.photon_error) {
-            (Some(count @ 1..=MOST_PHOTONS), _) => Ok(PhotonCount::Count(count)),
-            (Some(count), _) => Err(Failure(format!("--photons must be from 1 to {MOST_PHOTONS}, not {count}"))),
+            (Some(0), _) => Err(Failure("--photons must be at least 1, not 0".to_owned())),
+            // Absurd counts are refused with the memory that they would take.
+            (Some(count), _) => Ok(PhotonCount::Count(count)),
             (None, Some(error)) if error > 0.0 && error < 1.0 => Ok(PhotonCount::Error(error)),
             (None, Some(error)) => Err(Failure(format!("--photon-error must be between 0 and 1, not {error}"))),
             (None, None) => Ok(default),
@@ -241,6 +239,8 @@ impl Summary {
                 "absorbed": flux.absorbed,
                 "escaped": flux.escaped,
                 "too_deep": flux.too_deep,
+                "roulette": flux.roulette,
+                "bent": flux.bent,
                 "missing": flux.missing,
             },
             "idle_lights": idle_lights,

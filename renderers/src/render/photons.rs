@@ -98,7 +98,11 @@ pub struct FluxShares {
     pub too_deep: f64,
     /// Into media in which light behaves differently by wavelength.
     pub dispersed: f64,
-    /// What is missing for 1: what Russian roulette added or took, and rounding.
+    /// What Russian roulette took, less what it added: 0 on average.
+    pub roulette: f64,
+    /// What shading normals took by bending light, less what they added: the other shares make 1 with it.
+    pub bent: f64,
+    /// What is missing for 1: rounding.
     pub missing: f64,
 }
 
@@ -122,6 +126,8 @@ impl PhotonReport {
                 absorbed: share(account.media + account.mirrors + account.boundaries + account.black),
                 too_deep: share(account.too_deep),
                 dispersed: share(account.waiting),
+                roulette: share(account.roulette),
+                bent: -share(account.bent),
                 missing: share(account.missing()),
             },
             idle_lights,
