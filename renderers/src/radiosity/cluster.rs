@@ -254,7 +254,6 @@ mod tests {
         let all = sum(&|_, [e, area]| e * area);
         let (mean, off) =
             (sum(&|[b, area], [e, _]| (b - e) * area) / all, sum(&|[b, area], [e, _]| (b - e).abs() * area) / all);
-        eprintln!("{mean} {off} {links} {all_links}");
         // As far as those are from the truth: means over all faces are as good as asked for, single ones several times worse.
         assert!(mean.abs() <= ACCURACY && off <= 3.0 * ACCURACY, "{mean} {off}");
     }

@@ -11,8 +11,8 @@
 //! Surfaces of Ward's family are the only ones that take random numbers: their highlights are estimated by 2 to 16 pairs of directions for
 //! each camera ray, the more the rougher, and reflect other surfaces; see [`GlossyLight`]. Noise goes down with the camera rays per pixel.
 //!
-//! Approximations: light that reaches a diffuse surface by way of mirrors or glass is not found (caustics), and light between diffuse
-//! surfaces is the scene's ambient term, unless a worker is given [`Indirect`] light in its place. Paths end after [`max_depth`](Settings::max_depth) reflections and refractions, or when the light that
+//! Approximations: light that reaches a diffuse surface by way of mirrors or glass (caustics) is not found, unless a worker is given photons;
+//! light between diffuse surfaces is the scene's ambient term, unless it is given [`Indirect`] light in its place. Paths end after [`max_depth`](Settings::max_depth) reflections and refractions, or when the light that
 //! comes back can count for less than 10⁻⁴ before the reflectances of mirrors.
 
 mod build;
