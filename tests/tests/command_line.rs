@@ -126,7 +126,7 @@ fn bad_scenes_are_refused_by_file_and_line() {
 fn wrong_arguments_are_refused() {
     let folder = fresh("wrong_arguments");
     fs::write(folder.join("file"), "").unwrap();
-    let rows: [(&[&str], &str); 42] = [
+    let rows: [(&[&str], &str); 43] = [
         (&[], "requires a subcommand"),
         (&["draw"], "'draw'"),
         (&["rendr"], "similar"),
@@ -156,8 +156,12 @@ fn wrong_arguments_are_refused() {
         (&["render", "--threshold", "one"], "'one'"),
         (&["render", "--spectra", "rgb", "--threshold", "2"], "--bound and --threshold are for --spectra interval"),
         (&["render", "--renderer", "path", "--bound", "paper"], "--bound and --threshold are for --spectra interval"),
-        (&["render", "--accuracy", "0.1"], "--accuracy and --exact are for --renderer radiosity"),
-        (&["render", "--renderer", "path", "--exact"], "--accuracy and --exact are for --renderer radiosity"),
+        (&["render", "--accuracy", "0.1"], "--accuracy and --exact are for renderers that find light between surfaces"),
+        (
+            &["render", "--renderer", "path", "--exact"],
+            "--accuracy and --exact are for renderers that find light between surfaces",
+        ),
+        (&["render", "--photons", "9"], "are for --renderer photon-map"),
         (&["render", "--renderer", "radiosity", "--resume", "state"], "--resume is for --renderer path"),
         (&["render", "--threads", "0"], "--threads must be from 1"),
         (&["render", "--threads", "-1"], "-1"),
