@@ -98,6 +98,27 @@ fn lenses_light_is_their_closed_form() {
     }
 }
 
+/// Closed form: the density of the ball's rays on rings, smoothed by the kernel: Epanechnikov's has the variance R²/6 along each axis, so that
+/// irradiance gains R²/12 of its Laplacian, whose integral within a radius r is 2πr E′(r).
+#[test]
+fn a_balls_irradiance_is_its_closed_form() {
+    const STEP: f64 = 1e-4;
+    let receiver = Receiver::floor(-2.0, 1.5, 0.8);
+    let body = format!("{}<shape type='sphere'>{}</shape>", down(), constant(1.5));
+    let maps = maps(&receiver, &receiver.scene(&body, &[]).unwrap(), &options(100_000, 1), SEEDS);
+    let focus = Focus { lens: Lens::Ball, radius: 1.0, index: 1.5, distance: 2.0 };
+    let ways: Vec<Way> = (0..6).map(Way::Through).chain([Way::Reflected]).collect();
+    let irradiance = |r: f64| ways.iter().map(|way| focus.irradiance(*way, r)).sum::<f64>();
+    let smoothed = |r: f64| {
+        let slope = (irradiance(r + STEP) - irradiance(r - STEP)) / (2.0 * STEP);
+        ways.iter().map(|way| focus.flux(*way, r)).sum::<f64>() + RADIUS * RADIUS / 12.0 * 2.0 * PI * r * slope
+    };
+    for [inner, outer] in (3..14).map(|k| [0.1 * f64::from(k), 0.1 * f64::from(k + 1)]) {
+        let of_ring = |map: &Irradiance| map.flux_within(outer)[1] - map.flux_within(inner)[1];
+        assert_flux(&format!("ring {inner} {outer}"), &maps, smoothed(outer) - smoothed(inner), of_ring);
+    }
+}
+
 /// The place where a profile first passes a value, between middles of columns.
 fn crossing(map: &Irradiance, profile: &[f64], value: f64) -> f64 {
     let first = profile.windows(2).position(|p| (p[0] - value) * (p[1] - value) <= 0.0).unwrap();
