@@ -1,4 +1,4 @@
-//! Under `cargo fuzz`: the target `radiance`. Otherwise: runs it on the files named.
+//! Under a fuzzer: the target `radiance`. Otherwise: runs it on the files named.
 #![cfg_attr(fuzzing, no_main)]
 
 #[cfg(fuzzing)]

@@ -138,3 +138,64 @@ fn expression() {
     inputs.extend((0..64).map(|_| (0..48).map(|_| rng.bits() as u8).collect::<Vec<_>>()));
     replay(spectral_fuzz::expression, &inputs, 10_000, 4);
 }
+
+#[test]
+fn light_file() {
+    replay(spectral_fuzz::light_file, &seeds("light_file"), 50_000, 8);
+}
+
+#[test]
+fn points_file() {
+    replay(spectral_fuzz::points_file, &seeds("points_file"), 50_000, 9);
+}
+
+#[test]
+fn readings_file() {
+    replay(spectral_fuzz::readings_file, &seeds("readings_file"), 50_000, 10);
+}
+
+#[test]
+fn answers_file() {
+    replay(spectral_fuzz::answers_file, &seeds("answers_file"), 20_000, 11);
+}
+
+/// Targets that make numbers of any bytes: random ones are replayed, too.
+fn replay_numbers(name: &str, target: fn(&[u8]), mutations: u32) {
+    let mut inputs = seeds(name);
+    let mut rng = Rng::new(12);
+    inputs.extend((0..256).map(|_| (0..96).map(|_| rng.bits() as u8).collect::<Vec<_>>()));
+    replay(target, &inputs, mutations, 13);
+}
+
+#[test]
+fn numbers_of_colours() {
+    replay_numbers("colour", spectral_fuzz::colour, 20_000);
+    replay_numbers("bilinear", spectral_fuzz::bilinear, 20_000);
+    replay_numbers("upsampling", spectral_fuzz::upsampling, 2_000);
+}
+
+#[test]
+fn numbers_of_spectra() {
+    replay_numbers("spectra", spectral_fuzz::spectra, 10_000);
+    replay_numbers("operators", spectral_fuzz::operators, 2_000);
+}
+
+#[test]
+fn numbers_of_lights() {
+    replay_numbers("cct", spectral_fuzz::cct, 2_000);
+    replay_numbers("light", spectral_fuzz::light, 500);
+}
+
+#[test]
+fn numbers_of_reflection() {
+    replay_numbers("brdf", spectral_fuzz::brdf, 20_000);
+    replay_numbers("boundary", spectral_fuzz::boundary, 20_000);
+}
+
+#[test]
+fn numbers_of_disks() {
+    replay_numbers("partition", spectral_fuzz::partition, 20_000);
+    replay_numbers("disk_map", spectral_fuzz::disk_map, 20_000);
+    replay_numbers("factor", spectral_fuzz::factor, 10_000);
+    replay_numbers("estimate", spectral_fuzz::estimate, 1_000);
+}

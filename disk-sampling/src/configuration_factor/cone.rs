@@ -91,9 +91,11 @@ impl<R: Real> Cut<R> {
         let (middle_cosine, middle_sine) = if m > R::ZERO { (x / m, y / m) } else { (R::ONE, R::ZERO) };
         let (cosine, sine) = (level / amplitude, chord / amplitude);
         let turned = |s: R| [middle_cosine * cosine - middle_sine * s, middle_sine * cosine + middle_cosine * s];
-        // The difference sin t₁ from the product: where the rim passes close by, at t = 0, ε is not exact enough.
+        // The difference sin t₁ from the product: where the rim passes close by, at t = 0, ε is not exact enough. The product itself
+        // is known to ε²: where sin t₂ is small, too, that is less than the difference tells.
         let (first, last) = (turned(-sine), turned(sine));
-        let first = [first[0], horizon.ends / (amplitude * amplitude * last[1])];
+        let is_apart = last[1] * last[1] > R::from_f64(16.0) * R::EPSILON;
+        let first = if is_apart { [first[0], horizon.ends / (amplitude * amplitude * last[1])] } else { first };
         Self {
             n,
             axes,

@@ -15,7 +15,7 @@ use crate::vector::{Vector, add, cross, dot, length, subtract};
 /// Lambert's formula: 1/(2π) Σ Θᵢ (Γᵢ·n) over the edges, with Θᵢ the angle that an edge subtends at the point and Γᵢ the unit normal of
 /// the plane through the edge and the point. Where the sum cancels (small and far polygons, polygons seen edge-on, slivers above the
 /// horizon) the integral over triangles takes its place, whose terms are all positive. `corners` run around the polygon either way;
-/// the result is not negative. All lengths in one unit.
+/// the result is between 0 and 1. All lengths in one unit.
 ///
 /// Domain: finite corners, fewer than three give 0; a point in the polygon's plane gives 0, on the polygon too. Polygons that are not
 /// quite flat count as the triangles from their first corner. Relative accuracy: 1e-12 (`f32`: 1e-5) of the polygon given by the
@@ -37,7 +37,8 @@ pub fn polygon_configuration_factor<R: Real>(point: Vector<R>, normal: Vector<R>
     if keeps_digits(factor, terms) {
         return factor;
     }
-    view.triangles(|part| part.factor(normal, clipped_mean)).abs()
+    // Nearer to contact than the domain the integrand's pole can't be told from infinity.
+    view.triangles(|part| part.factor(normal, clipped_mean)).abs().min(R::ONE)
 }
 
 /// The irradiance vector of a whole planar polygon over π times its radiance: its scalar product with the unit normal of any surface
@@ -60,7 +61,7 @@ pub fn polygon_irradiance_vector<R: Real>(point: Vector<R>, corners: &[Vector<R>
         before = here;
     }
     if !keeps_digits(length(vector) * R::TWO * R::PI, terms) {
-        vector = axes.map(|axis| view.triangles(|part| part.factor(axis, mean)));
+        vector = axes.map(|axis| view.triangles(|part| part.factor(axis, mean)).clamp(-R::ONE, R::ONE));
     }
     let middle = view.relative().fold([R::ZERO; 3], add);
     if dot(vector, middle) < R::ZERO { vector.map(|x| -x) } else { vector }
@@ -159,7 +160,11 @@ impl<'a, R: Real> View<'a, R> {
         let mut sum = R::ZERO;
         for pair in rest.windows(2) {
             if let [a, b] = pair {
-                sum += part(&Part { corners: [self.wide(*first), self.wide(*a), self.wide(*b)] });
+                let value = part(&Part { corners: [self.wide(*first), self.wide(*a), self.wide(*b)] });
+                // NaN comes of corners that coincide, and of triangles so small that their squares underflow.
+                if !value.is_nan() {
+                    sum += value;
+                }
             }
         }
         sum

@@ -113,14 +113,16 @@ fn run<R: Real>(
     let light = panels.light();
     let error = panels.error(light.ratio());
     let samples = panels.source.samples;
-    if !(light.full > R::ZERO && light.full.is_finite() && light.lit.is_finite()) {
+    let scale = exact.unwrap_or(factor) / light.full;
+    let is_number = [light.full, light.lit, scale, error * scale].iter().all(|x| x.is_finite());
+    if !(light.full > R::ZERO && is_number) {
         // Seen so nearly edge-on that squares underflow.
         let estimate = from_afar(disk, receiver, factor, exact, respond)?;
         return Ok(Estimate { samples: samples + estimate.samples, ..estimate });
     }
-    let exact = exact.unwrap_or(factor);
-    let scale = exact / light.full;
-    Ok(Estimate { value: exact * light.ratio(), error: error * scale, samples, status })
+    // Coarse rules have weights of either sign.
+    let value = (exact.unwrap_or(factor) * light.ratio()).max(R::ZERO);
+    Ok(Estimate { value, error: error * scale, samples, status })
 }
 
 /// The estimate where slices cannot be had: nothing, or a disk so far away that its centre stands for all of it.

@@ -279,7 +279,8 @@ impl<R: Real> Nested<R> {
         }
         let floor = R::from_f64(if is_mixed { 0.5 } else { 0.1 });
         let error = if self.level == 0 {
-            let relative = (spread / size).min(R::ONE);
+            // What is so small that it underflows may be all wrong.
+            let relative = if size > spread { spread / size } else { R::ONE };
             reduced(last, size, floor).max(R::HALF * spread * relative.max(R::from_f64(0.4)))
         } else {
             let before = self.integral_before(1).excess(ratio) - self.integral_before(2).excess(ratio);
@@ -304,5 +305,5 @@ impl<R: Real> Nested<R> {
 
 /// What is left of a change after another one, not less than a given share of it.
 fn reduced<R: Real>(last: R, before: R, floor: R) -> R {
-    last * (R::TWO * last / before).clamp(floor, R::ONE)
+    if before > R::ZERO { last * (R::TWO * last / before).clamp(floor, R::ONE) } else { last }
 }

@@ -16,7 +16,7 @@ pub fn square_to_disk_elliptical<R: Real>([u, v]: [R; 2]) -> [R; 2] {
 ///
 /// With a² = 1 − s₂²/2 and b² = 1 − s₁²/2 the Jacobian of the map from [−1, 1]² is ab − s₁²s₂²/(4ab), and the density
 /// is 1 over four times that: ¼ at the centre, rising without bound towards the four points of the rim on the diagonals
-/// (the images of the corners).
+/// (the images of the corners), where it is limited to 1/(8ε).
 pub fn square_to_disk_elliptical_pdf<R: Real>([x, y]: [R; 2]) -> R {
     if !(x.hypot(y) <= R::ONE + R::TWO * R::EPSILON) {
         return R::ZERO;
@@ -25,7 +25,7 @@ pub fn square_to_disk_elliptical_pdf<R: Real>([x, y]: [R; 2]) -> R {
     let (s2, t2) = (s * s, t * t);
     // ab − s²t²/(4ab) = (1 − (s² + t²)/2) / ab
     let ab = ((R::ONE - t2 * R::HALF) * (R::ONE - s2 * R::HALF)).sqrt();
-    ab / (R::from_f64(4.0) * (R::ONE - (s2 + t2) * R::HALF))
+    ab / (R::from_f64(4.0) * (R::ONE - (s2 + t2) * R::HALF).max(R::EPSILON))
 }
 
 /// The inverse of [`square_to_disk_elliptical`]; points outside the disk are not meant, but give finite numbers.

@@ -17,7 +17,7 @@ pub struct Label {
 }
 
 /// A side of a triangle by the corner opposite to it, in the numbering of the digits; parts that share a side call it
-/// the same.
+/// the same, but for parts of different sectors, where what is `One` to the earlier sector is `Three` to the later one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Side {
     /// Opposite to corner 0: in upright triangles, the side away from the disk's centre.

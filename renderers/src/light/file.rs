@@ -221,7 +221,7 @@ impl<'a> Builder<'a> {
 
     fn error(&self, message: String) -> LightFileError {
         // XML parsers may quote what they found, line breaks included.
-        let message = message.replace(['\n', '\r'], " ");
+        let message = message.replace(char::is_control, " ");
         LightFileError { file: self.file.to_owned(), line: self.line, message }
     }
 

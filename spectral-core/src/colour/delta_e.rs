@@ -20,10 +20,10 @@ pub fn delta_e_ab<R: Real>(first: [R; 3], second: [R; 3]) -> R {
 /// The CIEDE2000 colour difference ΔE00 of two colours (L\*, a\*, b\*), with unit parametric factors.
 ///
 /// Fitted to differences of surface colours up to about 5 units; larger values order colours, no more. Exactly
-/// symmetric; in `f64` within 1e-13 relative of the standard's own steps, plus 1e-15 of the chromas. Computed without
+/// symmetric, unless products of a\* and b\* underflow; in `f64` within 1e-13 relative of the standard's own steps, plus 1e-15 of the chromas. Computed without
 /// angles, from the vectors of the hues. The formula jumps where two hues are 180° apart, by up to a few percent; exactly opposite hues take the
 /// branch that the standard prescribes, and elsewhere `f32` is within 1e-4 + 1e-5 ΔE00 of `f64` for colours with |a\*|,
-/// |b\*| ≤ 128. Finite for |a\*|, |b\*| up to 1e9 in `f32`, 1e100 in `f64`. NaN in, NaN out.
+/// |b\*| ≤ 128. Finite for |a\*|, |b\*| up to 1e9 in `f32`, 1e100 in `f64`, and |L\*| up to 1e9 and 1e50. NaN in, NaN out.
 ///
 /// Source: CIE 142-2001, ISO/CIE 11664-6:2014, in the form of Sharma, Wu and Dalal, "The CIEDE2000 color-difference
 /// formula: implementation notes, supplementary test data, and mathematical observations", Color Research and

@@ -32,7 +32,8 @@ pub const WHITE_E: [f64; 3] = [1.0, 1.0, 1.0];
 /// X, Y, Z ≥ 0.
 ///
 /// `None` where a chromaticity is not defined: when the sum is 0 (black), not finite, or so large that it overflows,
-/// or when a component is NaN. Real lights have X + Y + Z > 0; a negative sum is divided by like any other.
+/// when a component is NaN, or when a chromaticity overflows. Real lights have X + Y + Z > 0; a negative sum is divided by
+/// like any other.
 ///
 /// Source: CIE 15:2018.
 ///
@@ -48,7 +49,8 @@ pub fn xyz_to_xyy<R: Real>([x, y, z]: [R; 3]) -> Option<[R; 3]> {
     if sum == R::ZERO || !sum.is_finite() {
         return None;
     }
-    Some([x / sum, y / sum, y])
+    let [x, chroma_y] = [x / sum, y / sum];
+    (x.is_finite() && chroma_y.is_finite()).then_some([x, chroma_y, y])
 }
 
 /// Tristimulus values (X, Y, Z) of chromaticity and luminance (x, y, Y).

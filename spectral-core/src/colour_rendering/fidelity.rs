@@ -107,16 +107,15 @@ fn gamut_index<R: Real, const M: usize>(test: &[[R; 3]; M], reference: &[[R; 3];
             sums[sector][1] += colour[2];
         }
     }
-    let [test, reference] = sums.map(|sums| area(&core::array::from_fn(|s| sums[s].map(|sum| sum / counts[s]))));
+    let [test, reference] = sums.map(|sums| area(sums.into_iter().zip(counts)));
     R::from_f64(100.0) * test / reference
 }
 
-/// Twice the signed area of a polygon.
-fn area<R: Real>(corners: &[[R; 2]; SECTORS]) -> R {
-    let mut sum = R::ZERO;
-    for (index, corner) in corners.iter().enumerate() {
-        let next = corners[(index + 1) % SECTORS];
-        sum += corner[0] * next[1] - corner[1] * next[0];
-    }
-    sum
+/// Twice the signed area of the polygon of the means of sectors, given by sums and counts. Sectors without samples have no corner.
+fn area<R: Real>(sectors: impl Iterator<Item = ([R; 2], R)>) -> R {
+    let mut corners = sectors.filter(|(_, count)| *count > R::ZERO).map(|(sum, count)| sum.map(|sum| sum / count));
+    let Some(first) = corners.next() else { return R::ZERO };
+    let triangle = |a: [R; 2], b: [R; 2]| a[0] * b[1] - a[1] * b[0];
+    let (sum, last) = corners.fold((R::ZERO, first), |(sum, corner), next| (sum + triangle(corner, next), next));
+    sum + triangle(last, first)
 }

@@ -11,7 +11,8 @@ use crate::tables::observers::{CIE_1931_2, CIE_1964_10};
 /// R_f of CIE 224:2017 and R_g of TM-30 of one light, with the 99 samples; without precomputed tables.
 ///
 /// The samples are tabulated at 5 nm and interpolated linearly on other grids. `None` where there is no reference light:
-/// colour temperatures outside 500 K to 25 000 K.
+/// colour temperatures outside 500 K to 25 000 K; and where CIECAM02 has no colour for a sample, because its cone responses
+/// sum to less than zero, as under some lights of 500 to 600 K.
 ///
 /// # Errors
 /// [`LightError`] when a sample is negative or not finite, or the light has no power in the visible range.
@@ -79,5 +80,5 @@ fn evaluate<R: Real, const N: usize>(
     }
     let Some(reference) = fidelity_reference(cct.temperature, grid, locus, wide) else { return Ok(None) };
     let [test, reference] = pair(samples, &light, &reference)?;
-    Ok(Some(fidelity(&test, &reference)))
+    Ok(Some(fidelity(&test, &reference)).filter(|found| found.rf.is_finite() && found.rg.is_finite()))
 }

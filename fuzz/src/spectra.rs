@@ -1,0 +1,106 @@
+//! Spectra of every kind, and their integrals.
+
+use spectral_core::spectrum::{
+    Constant, Daylight, Line, Lines, Outside, PiecewiseLinear, Planck, RadiationConstant, Rounding, Scaled, Spectrum,
+    Uniform,
+};
+use spectral_core::{Observer, Real, tristimulus};
+
+use crate::numbers::Numbers;
+
+/// Makes a spectrum of the bytes, if they are taken, walks over its pieces and integrates it.
+pub fn spectra(bytes: &[u8]) {
+    check::<f64>(&mut Numbers::new(bytes));
+    check::<f32>(&mut Numbers::new(bytes));
+}
+
+fn check<R: Real>(numbers: &mut Numbers) {
+    let outside = if numbers.byte().is_multiple_of(2) { Outside::Zero } else { Outside::Hold };
+    match numbers.below(8) {
+        0 => accept(&Constant::new(numbers.any::<R>()), numbers),
+        1 => accept(&Planck::<R>::new(numbers.any(), RadiationConstant::Its1990), numbers),
+        2 => {
+            let kelvin: R = R::from_f64(3900.0 + 21_200.0 * numbers.unit::<R>().to_f64());
+            accept(&Daylight::new(kelvin, Rounding::ThreeDecimals), numbers);
+        }
+        3 => accept(&Line::<R>::new(numbers.any(), numbers.any(), numbers.any()), numbers),
+        4 => {
+            let centres = [near_visible(numbers), near_visible(numbers), near_visible(numbers)];
+            let powers: [R; 3] = numbers.any_vector();
+            accept(&Lines::new(&centres, &powers, numbers.any()), numbers);
+        }
+        5 => {
+            let values: Vec<R> = nodes(numbers);
+            accept(&Uniform::new(numbers.any(), numbers.any(), &values, outside), numbers);
+        }
+        6 => {
+            let values: Vec<R> = nodes(numbers);
+            let wavelengths: Vec<R> = values.iter().map(|_| numbers.any()).collect();
+            accept(&PiecewiseLinear::new(&wavelengths, &values, outside), numbers);
+        }
+        _ => {
+            let values: Vec<R> = nodes(numbers);
+            let mut wavelength = near_visible::<R>(numbers);
+            let wavelengths: Vec<R> = values
+                .iter()
+                .map(|_| {
+                    let here = wavelength;
+                    wavelength += numbers.positive::<R>(2);
+                    here
+                })
+                .collect();
+            let spectrum = PiecewiseLinear::new(&wavelengths, &values, outside);
+            accept(&spectrum.and_then(|spectrum| Scaled::new(spectrum, numbers.any())), numbers);
+        }
+    }
+}
+
+fn nodes<R: Real>(numbers: &mut Numbers) -> Vec<R> {
+    (0..numbers.below(7)).map(|_| numbers.any()).collect()
+}
+
+fn near_visible<R: Real>(numbers: &mut Numbers) -> R {
+    R::from_f64(350.0 + 450.0 * numbers.unit::<R>().to_f64())
+}
+
+fn accept<R: Real, S: Spectrum<R>, E: core::fmt::Display>(spectrum: &Result<S, E>, numbers: &mut Numbers) {
+    match spectrum {
+        Err(error) => super::assert_one_line(&error.to_string()),
+        Ok(spectrum) => judge(spectrum, numbers),
+    }
+}
+
+fn judge<R: Real>(spectrum: &impl Spectrum<R>, numbers: &mut Numbers) {
+    let [from, to] = [380.0, 780.0].map(R::from_f64);
+    let (mut largest, mut pieces) = (R::ZERO, 0);
+    let mut wavelength = from;
+    while wavelength < to {
+        let piece = spectrum.segment(wavelength);
+        assert!(piece.end > wavelength, "the walk stands still at {wavelength}: {piece:?}");
+        // A value at a node may be that of either side; between nodes there is one.
+        let middle = wavelength + (piece.end.min(to) - wavelength) * R::HALF;
+        assert_eq!(spectrum.segment(middle).first, spectrum.value(middle), "at {middle}");
+        largest = largest.max(piece.first.abs()).max(piece.last.abs());
+        wavelength = piece.end;
+        pieces += 1;
+        assert!(pieces < 10_000, "endless pieces");
+    }
+    let any: R = numbers.any();
+    if any.is_finite() {
+        let piece = spectrum.segment(any);
+        assert!(piece.end > any, "the walk stands still at {any}: {piece:?}");
+    }
+    // ∫ā is at most 107 nm.
+    if !(largest.to_f64() <= R::MAX.to_f64() / 1e6) {
+        return;
+    }
+    let observer = Observer::cie_1931_2deg();
+    let whole = tristimulus(&observer, spectrum, from, to);
+    let cut = R::from_f64(380.0 + 400.0 * numbers.unit::<R>().to_f64());
+    let parts = [tristimulus(&observer, spectrum, from, cut), tristimulus(&observer, spectrum, cut, to)];
+    for a in 0..3 {
+        let sum = parts[0][a] + parts[1][a];
+        let most = 64.0 * R::EPSILON.to_f64() * 110.0 * largest.to_f64() + 1e3 * R::MIN_POSITIVE.to_f64();
+        assert!((sum - whole[a]).abs().to_f64() <= most, "{parts:?} isn't {whole:?}, cut at {cut}");
+    }
+}
