@@ -2,7 +2,7 @@
 
 use std::io::{self, BufWriter, Write};
 
-use disk_sampling::estimate::{Aim, Panel, Request, Response, integrate, ratio};
+use disk_sampling::estimate::{self, Aim, Panel, Request, Response, integrate, ratio};
 use disk_sampling::partition::{Method, Partition};
 use disk_sampling::{
     Disk, Receiver, Sphere, disk_configuration_factor, polygon_configuration_factor, rectangle_parallel_factor,
@@ -191,8 +191,7 @@ impl<W: Write> Lines<W> {
 
     fn operators<R: Real>(&mut self) -> Outcome {
         let (light, paint) = (self.fill::<R, 3>(0.0, 1.0), self.fill::<R, 3>(0.125, 0.75));
-        let tensors =
-            [Tensor::classical(), Tensor::rec_709(), Tensor::iso_rgb(), Tensor::rec_2020(), Tensor::acescg()];
+        let tensors = [Tensor::classical(), Tensor::rec_709(), Tensor::iso_rgb(), Tensor::rec_2020(), Tensor::acescg()];
         for tensor in tensors {
             self.numbers("tensor", tensor.transfer().as_flattened())?;
             self.numbers("bilinear", &tensor.product(light, paint))?;
@@ -264,8 +263,10 @@ impl<W: Write> Lines<W> {
         self.print("estimate", found.value)?;
         self.print("estimate.error", found.error)?;
         self.count("estimate.samples", found.samples)?;
-        use disk_sampling::estimate::Status;
-        let codes = [Status::Met, Status::Panels, Status::Samples, Status::Resolution];
+        let codes = {
+            use estimate::Status::{Met, Panels, Resolution, Samples};
+            [Met, Panels, Samples, Resolution]
+        };
         self.count("estimate.status", codes.iter().position(|&s| s == found.status).ok_or("a new status")?)?;
         let share = ratio(disk, receiver, exact, &request, &mut panels, respond)?;
         self.print("ratio", share.value)?;

@@ -1,5 +1,7 @@
 //! The enumerations: what C passes as `int32_t`, and what it is told.
 
+use disk_sampling::estimate;
+use disk_sampling::partition::Method;
 use spectral_core::Observer;
 use spectral_core::Real;
 use spectral_core::adaptive::{self, Mode};
@@ -8,11 +10,9 @@ use spectral_core::brdf::Variant;
 use spectral_core::cct::CctStatus;
 use spectral_core::colour::RgbSpace;
 use spectral_core::spectrum::Outside;
-use disk_sampling::estimate;
-use disk_sampling::partition::Method;
 
-use crate::boundary::Outcome;
 use crate::SpectralStatus;
+use crate::boundary::Outcome;
 
 /// An enumeration that C passes as an `int32_t`, which may be anything, and what each code stands for.
 macro_rules! codes {

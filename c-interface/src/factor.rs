@@ -116,57 +116,59 @@ unsafe fn perpendicular<R: Real>(a: R, b: R, h: R, factor: *mut R) -> Outcome {
 }
 
 macro_rules! exports {
-    ($R:ident) => { pastey::paste! { mod [<exports_ $R>] {
-        use super::*;
-        use crate::boundary::export;
+    ($R:ident) => {
+        pastey::paste! { mod [<exports_ $R>] {
+            use super::*;
+            use crate::boundary::export;
 
-        export! {
-            /// The configuration factor from a receiver to a disk, clipped at the receiver's horizon: times the light's luminous
-            /// exitance in lm/m² (π times its luminance), the illuminance in lx.
-            ///
-            /// Relative accuracy 1e-12 (f32: 1e-5). 0 behind the disk, and in its plane outside the rim.
-            ///
-            /// @return NULL, MISALIGNED, NOT_FINITE; RANGE for a radius that is not positive or a normal of zero length
-            [<spectral_disk_factor_ $R>] = disk(
-                light: *const SpectralDisk<$R>,
-                receiver: *const SpectralReceiver<$R>,
-                factor: *mut $R,
-            );
+            export! {
+                /// The configuration factor from a receiver to a disk, clipped at the receiver's horizon: times the light's luminous
+                /// exitance in lm/m² (π times its luminance), the illuminance in lx.
+                ///
+                /// Relative accuracy 1e-12 (f32: 1e-5). 0 behind the disk, and in its plane outside the rim.
+                ///
+                /// @return NULL, MISALIGNED, NOT_FINITE; RANGE for a radius that is not positive or a normal of zero length
+                [<spectral_disk_factor_ $R>] = disk(
+                    light: *const SpectralDisk<$R>,
+                    receiver: *const SpectralReceiver<$R>,
+                    factor: *mut $R,
+                );
 
-            /// The configuration factor from a receiver to a sphere, clipped at the receiver's horizon; 1 inside the sphere.
-            ///
-            /// @return as spectral_disk_factor
-            [<spectral_sphere_factor_ $R>] = sphere(
-                light: *const SpectralSphere<$R>,
-                receiver: *const SpectralReceiver<$R>,
-                factor: *mut $R,
-            );
+                /// The configuration factor from a receiver to a sphere, clipped at the receiver's horizon; 1 inside the sphere.
+                ///
+                /// @return as spectral_disk_factor
+                [<spectral_sphere_factor_ $R>] = sphere(
+                    light: *const SpectralSphere<$R>,
+                    receiver: *const SpectralReceiver<$R>,
+                    factor: *mut $R,
+                );
 
-            /// The configuration factor from a receiver to a planar convex polygon that shines on both sides, clipped at the receiver's horizon.
-            ///
-            /// @param corners x, y, z of each corner, 3 · `count` numbers, around the polygon either way
-            /// @param count 3 to SPECTRAL_MOST_CORNERS
-            /// @return NULL, MISALIGNED, LENGTH, NOT_FINITE; RANGE for a normal of zero length
-            [<spectral_polygon_factor_ $R>] = polygon(
-                corners: *const $R,
-                count: usize,
-                receiver: *const SpectralReceiver<$R>,
-                factor: *mut $R,
-            );
+                /// The configuration factor from a receiver to a planar convex polygon that shines on both sides, clipped at the receiver's horizon.
+                ///
+                /// @param corners x, y, z of each corner, 3 · `count` numbers, around the polygon either way
+                /// @param count 3 to SPECTRAL_MOST_CORNERS
+                /// @return NULL, MISALIGNED, LENGTH, NOT_FINITE; RANGE for a normal of zero length
+                [<spectral_polygon_factor_ $R>] = polygon(
+                    corners: *const $R,
+                    count: usize,
+                    receiver: *const SpectralReceiver<$R>,
+                    factor: *mut $R,
+                );
 
-            /// The configuration factor from an element to a parallel rectangle `a` × `b` at distance `h` that has a corner on the
-            /// element's normal. Odd in `a` and in `b`, so that rectangles anywhere are sums of four.
-            ///
-            /// @return NULL, MISALIGNED, NOT_FINITE; RANGE for `h` below 0, or all of them 0
-            [<spectral_rectangle_parallel_factor_ $R>] = parallel(a: $R, b: $R, h: $R, factor: *mut $R);
+                /// The configuration factor from an element to a parallel rectangle `a` × `b` at distance `h` that has a corner on the
+                /// element's normal. Odd in `a` and in `b`, so that rectangles anywhere are sums of four.
+                ///
+                /// @return NULL, MISALIGNED, NOT_FINITE; RANGE for `h` below 0, or all of them 0
+                [<spectral_rectangle_parallel_factor_ $R>] = parallel(a: $R, b: $R, h: $R, factor: *mut $R);
 
-            /// The configuration factor from an element to a rectangle in a perpendicular plane at distance `h`, `a` high and `b` wide,
-            /// that has a corner on the element's horizon, straight in front of it. Even in `a`, odd in `b`.
-            ///
-            /// @return as spectral_rectangle_parallel_factor
-            [<spectral_rectangle_perpendicular_factor_ $R>] = perpendicular(a: $R, b: $R, h: $R, factor: *mut $R);
-        }
-    } pub use [<exports_ $R>]::*; }};
+                /// The configuration factor from an element to a rectangle in a perpendicular plane at distance `h`, `a` high and `b` wide,
+                /// that has a corner on the element's horizon, straight in front of it. Even in `a`, odd in `b`.
+                ///
+                /// @return as spectral_rectangle_parallel_factor
+                [<spectral_rectangle_perpendicular_factor_ $R>] = perpendicular(a: $R, b: $R, h: $R, factor: *mut $R);
+            }
+        } pub use [<exports_ $R>]::*; }
+    };
 }
 exports!(f32);
 exports!(f64);

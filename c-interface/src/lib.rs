@@ -26,8 +26,8 @@ mod spectrum;
 
 pub use boundary::{SpectralStatus, spectral_status_text};
 pub use codes::{
-    SpectralCctStatus, SpectralEvaluationStatus, SpectralEstimateStatus, SpectralMode, SpectralObserver, SpectralOutside,
-    SpectralPartition, SpectralRgbSpace, SpectralSmits, SpectralTensorKind, SpectralWardModel,
+    SpectralCctStatus, SpectralEstimateStatus, SpectralEvaluationStatus, SpectralMode, SpectralObserver,
+    SpectralOutside, SpectralPartition, SpectralRgbSpace, SpectralSmits, SpectralTensorKind, SpectralWardModel,
 };
 pub use colour::*;
 pub use disk::*;

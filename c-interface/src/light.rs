@@ -1,10 +1,10 @@
 //! Everything there is to say of a light.
 
+use spectral_core::Real;
 use spectral_core::cct::Cct;
 use spectral_core::light::{Chromaticity, GeneralIndices, LightMeasures, measure, measure_fidelity, measure_indices};
 use spectral_core::spectrum::RadiationConstant;
 use spectral_core::summation::SumGrid;
-use spectral_core::Real;
 
 use crate::boundary::{Outcome, Output, numbers};
 use crate::{SpectralCctStatus, SpectralStatus};

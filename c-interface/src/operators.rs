@@ -96,74 +96,76 @@ unsafe fn smits<R: Real>(rgb: *const R, kind: i32, bins: *mut R) -> Outcome {
 }
 
 macro_rules! exports {
-    ($R:ident) => { pastey::paste! { mod [<exports_ $R>] {
-        use super::*;
-        use crate::boundary::export;
+    ($R:ident) => {
+        pastey::paste! { mod [<exports_ $R>] {
+            use super::*;
+            use crate::boundary::export;
 
-        export! {
-            /// The coefficients of a bilinear product for a kind of components.
-            ///
-            /// @param kind a SpectralTensorKind
-            /// @return NULL, MISALIGNED, CODE
-            [<spectral_tensor_ $R>] = tensor(kind: i32, tensor: *mut SpectralTensor<$R>);
+            export! {
+                /// The coefficients of a bilinear product for a kind of components.
+                ///
+                /// @param kind a SpectralTensorKind
+                /// @return NULL, MISALIGNED, CODE
+                [<spectral_tensor_ $R>] = tensor(kind: i32, tensor: *mut SpectralTensor<$R>);
 
-            /// The bilinear product of two colours: of light and reflectance, or of two filters. Linear components; it commutes to the bit.
-            ///
-            /// @param first, second, product 3 numbers each
-            /// @return NULL, MISALIGNED, NOT_FINITE; RANGE when it overflows
-            [<spectral_bilinear_product_ $R>] = product_of(
-                tensor: *const SpectralTensor<$R>,
-                first: *const $R,
-                second: *const $R,
-                product: *mut $R,
-            );
+                /// The bilinear product of two colours: of light and reflectance, or of two filters. Linear components; it commutes to the bit.
+                ///
+                /// @param first, second, product 3 numbers each
+                /// @return NULL, MISALIGNED, NOT_FINITE; RANGE when it overflows
+                [<spectral_bilinear_product_ $R>] = product_of(
+                    tensor: *const SpectralTensor<$R>,
+                    first: *const $R,
+                    second: *const $R,
+                    product: *mut $R,
+                );
 
-            /// The matrix by which a material of one colour maps light to what it reflects, row by row: the bilinear product with it.
-            ///
-            /// @param[out] matrix 9 numbers
-            /// @return NULL, MISALIGNED, NOT_FINITE; RANGE when it overflows
-            [<spectral_bilinear_reflection_ $R>] = reflection(
-                tensor: *const SpectralTensor<$R>,
-                reflectance: *const $R,
-                matrix: *mut $R,
-            );
+                /// The matrix by which a material of one colour maps light to what it reflects, row by row: the bilinear product with it.
+                ///
+                /// @param[out] matrix 9 numbers
+                /// @return NULL, MISALIGNED, NOT_FINITE; RANGE when it overflows
+                [<spectral_bilinear_reflection_ $R>] = reflection(
+                    tensor: *const SpectralTensor<$R>,
+                    reflectance: *const $R,
+                    matrix: *mut $R,
+                );
 
-            /// Light after a bilinear reflection: the matrix of spectral_bilinear_reflection times the light.
-            ///
-            /// @param reflectance, light, reflected 3 numbers each
-            /// @return NULL, MISALIGNED, NOT_FINITE; RANGE when it overflows
-            [<spectral_bilinear_reflect_ $R>] = reflect(
-                tensor: *const SpectralTensor<$R>,
-                reflectance: *const $R,
-                light: *const $R,
-                reflected: *mut $R,
-            );
+                /// Light after a bilinear reflection: the matrix of spectral_bilinear_reflection times the light.
+                ///
+                /// @param reflectance, light, reflected 3 numbers each
+                /// @return NULL, MISALIGNED, NOT_FINITE; RANGE when it overflows
+                [<spectral_bilinear_reflect_ $R>] = reflect(
+                    tensor: *const SpectralTensor<$R>,
+                    reflectance: *const $R,
+                    light: *const $R,
+                    reflected: *mut $R,
+                );
 
-            /// The smooth reflectance that has a colour under CIE D65 (Jakob and Hanika 2019, solved without a table).
-            ///
-            /// @param rgb linear components in [0, 1]
-            /// @param space a SpectralRgbSpace
-            /// @return NULL, MISALIGNED, NOT_FINITE, CODE; RANGE for components outside [0, 1]; UNREACHABLE
-            [<spectral_upsample_ $R>] = upsample(rgb: *const $R, space: i32, sigmoid: *mut SpectralSigmoid<$R>);
+                /// The smooth reflectance that has a colour under CIE D65 (Jakob and Hanika 2019, solved without a table).
+                ///
+                /// @param rgb linear components in [0, 1]
+                /// @param space a SpectralRgbSpace
+                /// @return NULL, MISALIGNED, NOT_FINITE, CODE; RANGE for components outside [0, 1]; UNREACHABLE
+                [<spectral_upsample_ $R>] = upsample(rgb: *const $R, space: i32, sigmoid: *mut SpectralSigmoid<$R>);
 
-            /// The value in [0, 1] of such a reflectance at a wavelength in nm: linear between 360, 365, …, 830 nm, held outside.
-            ///
-            /// @return NULL, MISALIGNED, NOT_FINITE; RANGE when it overflows
-            [<spectral_sigmoid_value_ $R>] = sigmoid_value(
-                sigmoid: *const SpectralSigmoid<$R>,
-                wavelength: $R,
-                value: *mut $R,
-            );
+                /// The value in [0, 1] of such a reflectance at a wavelength in nm: linear between 360, 365, …, 830 nm, held outside.
+                ///
+                /// @return NULL, MISALIGNED, NOT_FINITE; RANGE when it overflows
+                [<spectral_sigmoid_value_ $R>] = sigmoid_value(
+                    sigmoid: *const SpectralSigmoid<$R>,
+                    wavelength: $R,
+                    value: *mut $R,
+                );
 
-            /// The spectrum that Smits' bases (1999) have for a colour.
-            ///
-            /// @param rgb linear components, not negative; of a reflectance at most 1, which is not checked
-            /// @param kind a SpectralSmits
-            /// @param[out] bins 10 numbers: the spectrum's values in 10 equal parts of 380–720 nm
-            /// @return NULL, MISALIGNED, NOT_FINITE, NEGATIVE, CODE; RANGE when it overflows
-            [<spectral_smits_ $R>] = smits(rgb: *const $R, kind: i32, bins: *mut $R);
-        }
-    } pub use [<exports_ $R>]::*; }};
+                /// The spectrum that Smits' bases (1999) have for a colour.
+                ///
+                /// @param rgb linear components, not negative; of a reflectance at most 1, which is not checked
+                /// @param kind a SpectralSmits
+                /// @param[out] bins 10 numbers: the spectrum's values in 10 equal parts of 380–720 nm
+                /// @return NULL, MISALIGNED, NOT_FINITE, NEGATIVE, CODE; RANGE when it overflows
+                [<spectral_smits_ $R>] = smits(rgb: *const $R, kind: i32, bins: *mut $R);
+            }
+        } pub use [<exports_ $R>]::*; }
+    };
 }
 exports!(f32);
 exports!(f64);

@@ -1,10 +1,10 @@
 //! The colour of a light times reflectances, to a bound of ΔE*ab.
 
+use spectral_core::Real;
 use spectral_core::adaptive::{Evaluation, Piece, Target, evaluate};
 use spectral_core::expression::{Op, Program, Sources};
 use spectral_core::interval::{Domain, Interval, Node, Weight, node_count};
 use spectral_core::spectrum::PiecewiseLinear;
-use spectral_core::Real;
 
 use crate::boundary::{Outcome, Output, finite, read, representable, slice, within};
 use crate::{SpectralEvaluationStatus, SpectralMode, SpectralObserver, SpectralSpectrum, SpectralStatus};
@@ -119,7 +119,8 @@ fn target<R: Real>(asked: &SpectralTarget<R>) -> Outcome<Target<R>> {
 /// The intervals in the order of their wavelengths.
 fn sorted<R: Real>(pieces: &[Piece<R>]) -> [SpectralPiece<R>; SPECTRAL_MOST_INTERVALS] {
     let zero = R::ZERO;
-    let mut sorted = [SpectralPiece { from: zero, to: zero, xyz: [zero; 3], radius: [zero; 3] }; SPECTRAL_MOST_INTERVALS];
+    let mut sorted =
+        [SpectralPiece { from: zero, to: zero, xyz: [zero; 3], radius: [zero; 3] }; SPECTRAL_MOST_INTERVALS];
     for piece in pieces {
         let [from, to] = piece.node.limits();
         let before = pieces.iter().filter(|other| other.node.limits::<R>()[0] < from).count();
@@ -193,34 +194,36 @@ unsafe fn report<R: Real>(
 }
 
 macro_rules! exports {
-    ($R:ident) => { pastey::paste! { mod [<exports_ $R>] {
-        use super::*;
-        use crate::boundary::export;
+    ($R:ident) => {
+        pastey::paste! { mod [<exports_ $R>] {
+            use super::*;
+            use crate::boundary::export;
 
-        export! {
-            /// The colour of light · reflectance · reflectance …, on intervals of 380–780 nm that are split where the error is until its
-            /// bound is at or under a threshold (Iehl and Péroche 2000, with a bound that holds).
-            ///
-            /// In the certified mode, XYZ is certainly within `radius` of that of the exact product of the piecewise linear spectra, and its
-            /// colour certainly within `delta_e` (ΔE*ab) of it, rounding included.
-            ///
-            /// @param reflectances `count` spectra, 0 to SPECTRAL_MOST_REFLECTANCES; may be null when there are none
-            /// @param workspace must not overlap anything else; keeps nothing from call to call
-            /// @param[out] pieces the intervals in the order of wavelengths; not written, and may be null, when `capacity` is 0
-            /// @param capacity how many there is room for: 0, or at least as many as are found; `most_intervals` is always enough
-            /// @return NULL, MISALIGNED, LENGTH, NOT_FINITE, ORDER, CODE; RANGE for a threshold or white that is not positive, or a result that overflows
-            [<spectral_product_ $R>] = product(
-                light: *const SpectralSpectrum<$R>,
-                reflectances: *const SpectralSpectrum<$R>,
-                count: usize,
-                target: *const SpectralTarget<$R>,
-                workspace: *mut SpectralWorkspace<$R>,
-                pieces: *mut SpectralPiece<$R>,
-                capacity: usize,
-                found: *mut SpectralProduct<$R>,
-            );
-        }
-    } pub use [<exports_ $R>]::*; }};
+            export! {
+                /// The colour of light · reflectance · reflectance …, on intervals of 380–780 nm that are split where the error is until its
+                /// bound is at or under a threshold (Iehl and Péroche 2000, with a bound that holds).
+                ///
+                /// In the certified mode, XYZ is certainly within `radius` of that of the exact product of the piecewise linear spectra, and its
+                /// colour certainly within `delta_e` (ΔE*ab) of it, rounding included.
+                ///
+                /// @param reflectances `count` spectra, 0 to SPECTRAL_MOST_REFLECTANCES; may be null when there are none
+                /// @param workspace must not overlap anything else; keeps nothing from call to call
+                /// @param[out] pieces the intervals in the order of wavelengths; not written, and may be null, when `capacity` is 0
+                /// @param capacity how many there is room for: 0, or at least as many as are found; `most_intervals` is always enough
+                /// @return NULL, MISALIGNED, LENGTH, NOT_FINITE, ORDER, CODE; RANGE for a threshold or white that is not positive, or a result that overflows
+                [<spectral_product_ $R>] = product(
+                    light: *const SpectralSpectrum<$R>,
+                    reflectances: *const SpectralSpectrum<$R>,
+                    count: usize,
+                    target: *const SpectralTarget<$R>,
+                    workspace: *mut SpectralWorkspace<$R>,
+                    pieces: *mut SpectralPiece<$R>,
+                    capacity: usize,
+                    found: *mut SpectralProduct<$R>,
+                );
+            }
+        } pub use [<exports_ $R>]::*; }
+    };
 }
 exports!(f32);
 exports!(f64);

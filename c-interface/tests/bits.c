@@ -2,11 +2,16 @@
  * Calls every function with numbers of a generator and prints the bits of all results; examples/bits.rs prints what the Rust
  * crates answer to the same numbers.
  */
-#include <inttypes.h>
+#include <stdint.h>
 #include <stdio.h>
 #include <string.h>
 
 #include "spectral.h"
+
+/* How often, with other numbers each time. */
+#ifndef ROUNDS
+#define ROUNDS 20
+#endif
 
 static uint64_t state;
 
@@ -23,8 +28,9 @@ static double between(double from, double to) {
 static void print(const char *name, double value) {
     uint64_t bits;
     memcpy(&bits, &value, sizeof bits);
-    /* All that is not a number is one. */
-    printf("%s %016" PRIx64 "\n", name, value == value ? bits : UINT64_C(0x7ff8000000000000));
+    if (value != value) bits = UINT64_C(0x7ff8000000000000);
+    /* In halves, which every C library can print. */
+    printf("%s %08lx%08lx\n", name, (unsigned long)(bits >> 32), (unsigned long)(bits & 0xffffffffU));
 }
 
 static int refused;

@@ -32,5 +32,8 @@ fn the_header_is_current() {
         std::fs::write(&path, &generated).expect("the header can be written");
     }
     let committed = std::fs::read_to_string(&path).expect("there is a header");
-    assert!(committed == generated, "include/spectral.h is not current: SPECTRAL_UPDATE_HEADER=1 cargo test --release --test header");
+    assert!(
+        committed == generated,
+        "include/spectral.h is not current: SPECTRAL_UPDATE_HEADER=1 cargo test --release --test header"
+    );
 }

@@ -218,7 +218,8 @@ impl<R: Real, L: Locus<R>, M: TestColours<R, N, 14>, C: TestColours<R, N, 10>, c
             sums.map(|sum| sum / sums[1])
         };
         let reference = nearest_r96_reference(white(light), &spectra.each_ref().map(white));
-        let [test, under_reference] = pair(self.colorchecker, light, &spectra[reference])?;
+        let spectrum = spectra.get(reference).ok_or(LightError::Dark)?;
+        let [test, under_reference] = pair(self.colorchecker, light, spectrum)?;
         Ok(R96Nearest { reference, rendering: r96(&test, &under_reference, R96C) })
     }
 }
