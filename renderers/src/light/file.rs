@@ -90,20 +90,28 @@ impl core::error::Error for LightFileError {}
 /// Reads a spectrum from a file: TM-27 XML when it starts with `<`, two columns of text otherwise.
 ///
 /// # Errors
-/// [`LightFileError`] when the file can't be read, or as [`parse_csv`] and [`parse_spdx`].
+/// [`LightFileError`] when the file can't be read, or as [`parse_light`].
 pub fn read_light(path: &Path) -> Result<SpectralTable, LightFileError> {
     let file = path.display().to_string();
     let bytes =
         std::fs::read(path).map_err(|e| LightFileError { file: file.clone(), line: 0, message: e.to_string() })?;
-    let text = match core::str::from_utf8(&bytes) {
+    parse_light(&file, &bytes)
+}
+
+/// Parses what a file of a spectrum holds: TM-27 XML when it starts with `<`, two columns of text otherwise.
+///
+/// # Errors
+/// [`LightFileError`] when it isn't UTF-8 text, or as [`parse_csv`] and [`parse_spdx`].
+pub fn parse_light(file: &str, bytes: &[u8]) -> Result<SpectralTable, LightFileError> {
+    let text = match core::str::from_utf8(bytes) {
         Ok(text) => text,
         Err(error) => {
-            let line = line_of(&bytes, error.valid_up_to());
-            return Err(LightFileError { file, line, message: "not UTF-8 text".to_owned() });
+            let line = line_of(bytes, error.valid_up_to());
+            return Err(LightFileError { file: file.to_owned(), line, message: "not UTF-8 text".to_owned() });
         }
     };
     let text = text.trim_start_matches('\u{feff}');
-    if text.trim_start().starts_with('<') { parse_spdx(&file, text) } else { parse_csv(&file, text) }
+    if text.trim_start().starts_with('<') { parse_spdx(file, text) } else { parse_csv(file, text) }
 }
 
 fn line_of(bytes: &[u8], position: usize) -> u32 {

@@ -5,6 +5,6 @@ mod file;
 mod plot;
 mod report;
 
-pub use file::{LightFileError, SpectralTable, parse_csv, parse_spdx, read_light};
+pub use file::{LightFileError, SpectralTable, parse_csv, parse_light, parse_spdx, read_light};
 pub use plot::plot;
 pub use report::{ApproximationErrors, GridUsed, LightReport, Reference, Stages, report};
