@@ -127,7 +127,7 @@ function chart(place, height, label) {
 function drawBars() {
   const { r, cri00_munsell_i: special } = lamp.report;
   if (!r) { $('bars').replaceChildren(); return; }
-  const height = 230, left = 34, bottom = 24, top = 18;
+  const height = 240, left = 34, bottom = 24, top = 24;
   const label = `R1 to R14: ${r.map(fixed(0)).join(', ')}`;
   const [svg, width] = chart($('bars'), height, label);
   const low = Math.min(0, Math.floor(Math.min(...r, ...special) / 50) * 50);
@@ -141,8 +141,10 @@ function drawBars() {
   r.forEach((value, i) => {
     const x = left + i * step, middle = x + step / 2, [from, to] = [y(Math.max(value, 0)), y(Math.min(value, 0))];
     svg.append(make('rect', { x: x + step * 0.14, width: step * 0.72, y: from, height: Math.max(1, to - from), rx: 2, fill: rgb(catalogue.samples[i]) }));
-    if (step > 27) svg.append(make('text', { class: 'strong', x: middle, y: from - 5, 'text-anchor': 'middle' }, fixed(0)(value)));
     const s = y(special[i]);
+    // Above the diamond, too, where that is at the bar's end.
+    const above = Math.abs(s - from) < 22 ? Math.min(from, s - 4) : from;
+    if (step > 27) svg.append(make('text', { class: 'strong', x: middle, y: above - 5, 'text-anchor': 'middle' }, fixed(0)(value)));
     svg.append(make('path', { class: 'special', d: `M${middle} ${s - 4.5}l4.5 4.5l-4.5 4.5l-4.5 -4.5z` }),
       make('text', { x: middle, y: height - 6, 'text-anchor': 'middle' }, String(i + 1)));
   });
@@ -154,7 +156,7 @@ function path(points) {
 
 function drawPlot() {
   const { parts, light, paint, product } = examined;
-  const height = Math.round(Math.min(400, Math.max(260, $('plot').clientWidth * 0.5)));
+  const height = Math.round(Math.min(440, Math.max(260, $('plot').clientWidth * 0.54)));
   const left = 6, right = 8, top = 8, bottom = 46;
   const label = `Spectra of lamp, paint and reflected light over 380 to 780 nanometres, in ${parts.length} intervals`;
   const [svg, width] = chart($('plot'), height, label);
