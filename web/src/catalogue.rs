@@ -56,10 +56,10 @@ pub(crate) fn product(factors: &[&dyn Spectrum<f64>]) -> Option<[f64; 3]> {
     Some(found.tristimulus(&domain.weight(Node::ROOT)))
 }
 
-/// The hue of a wavelength, with as much white as brings it into sRGB, as bright as can be; darker where eyes see little.
+/// The hue of a wavelength as bright as can be, darker where eyes see little; greens that sRGB has not get as much white as they need.
 fn hue(wavelength: f64) -> [u8; 3] {
     let rgb = xyz_to_linear_rgb(Observer::cie_1931_2deg().value(wavelength));
-    let white = -rgb.into_iter().fold(0.0, f64::min);
+    let white = -rgb[0].min(0.0);
     let largest = rgb.into_iter().fold(f64::MIN_POSITIVE, f64::max) + white;
     let seen = ((wavelength - 350.0) / 70.0).min((800.0 - wavelength) / 110.0).clamp(0.0, 1.0);
     linear_rgb_to_srgb8(rgb.map(|c| (c + white) / largest * seen))

@@ -9,7 +9,7 @@ import { fileURLToPath, pathToFileURL } from 'node:url';
 import { chromium } from 'playwright-core';
 
 const web = join(dirname(fileURLToPath(import.meta.url)), '..');
-const spectral = join(web, '../target/release/spectral');
+const spectral = process.env.SPECTRAL ?? join(web, '../target/release/spectral');
 const address = pathToFileURL(join(web, 'target/spectral.html')).href;
 const folder = mkdtempSync(join(tmpdir(), 'spectral-'));
 const shots = join(web, 'target/screenshots');
@@ -193,14 +193,14 @@ test('everything works by keyboard alone', async () => {
     return { what: at.id || at.name || at.localName, ring: outlineStyle !== 'none' && parseFloat(outlineWidth) >= 2, named };
   });
   const stops = [];
-  for (let i = 0; i < 12; i += 1) {
+  for (let i = 0; i < 10; i += 1) {
     await page.keyboard.press('Tab');
     const stop = await focused();
     assert.ok(stop.ring, `no focus to be seen on ${stop.what}`);
     assert.ok(stop.named, `${stop.what} has no name`);
     stops.push(stop.what);
   }
-  assert.deepEqual(stops.slice(0, 10),
+  assert.deepEqual(stops,
     ['a', 'file', 'builtin', 'summary', 'paint', 'reflections', 'mode', 'slider', 'threshold', 'eye']);
 
   const to = async (what) => {
@@ -212,7 +212,7 @@ test('everything works by keyboard alone', async () => {
   };
   const value = async (key) => (await shown())[key];
   await to('file');
-  const [chooser] = await Promise.all([page.waitForEvent('filechooser'), page.keyboard.press('Enter')]);
+  const [chooser] = await Promise.all([page.waitForEvent('filechooser'), page.keyboard.press('Space')]);
   await chooser.setFiles(file('chosen.csv', rows(5).map((row) => row.join(',')).join('\n')));
   await page.waitForFunction(() => document.getElementById('light-title').textContent === 'chosen.csv');
   await to('builtin');
