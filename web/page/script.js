@@ -156,6 +156,9 @@ function path(points) {
 
 function drawPlot() {
   const { parts, light, paint, product } = examined;
+  // What little light is left after some reflections is drawn larger, by a power of two.
+  const magnified = 2 ** Math.max(0, Math.floor(Math.log2(0.9 / Math.max(1e-9, ...product))));
+  $('magnified').textContent = magnified > 1 ? ` × ${magnified}, as are means` : '';
   const height = Math.round(Math.min(440, Math.max(260, $('plot').clientWidth * 0.54)));
   const left = 6, right = 8, top = 8, bottom = 46;
   const label = `Spectra of lamp, paint and reflected light over 380 to 780 nanometres, in ${parts.length} intervals`;
@@ -175,9 +178,9 @@ function drawPlot() {
   svg.append(
     make('path', { d: area(light), fill: 'url(#hues)', opacity: 0.3 }),
     make('path', { class: 'outline', d: curve(light) }),
-    make('path', { d: area(product), fill: 'url(#hues)' }),
+    make('path', { d: area(product.map((value) => value * magnified)), fill: 'url(#hues)' }),
     make('path', { class: 'reflectance', d: curve(paint) }),
-    make('path', { class: 'means', d: path(parts.flatMap(({ from, to, mean }) => [[x(from), y(mean)], [x(to), y(mean)]])) }),
+    make('path', { class: 'means', d: path(parts.flatMap(({ from, to, mean }) => [[x(from), y(mean * magnified)], [x(to), y(mean * magnified)]])) }),
     make('line', { class: 'axis', x1: left, x2: width - right, y1: y(0), y2: y(0) }));
   const every = width < 460 ? 100 : 50;
   for (let nm = 400; nm <= 750; nm += every) {
