@@ -30,10 +30,9 @@ pub(crate) struct Catalogue {
 }
 
 pub(crate) fn catalogue() -> Catalogue {
-    let paints = colorchecker::ALL.iter().map(|table| Named {
-        name: table.name.replace('_', " "),
-        srgb: under_daylight(table.spectrum(Outside::Hold)),
-    });
+    let paints = colorchecker::ALL
+        .iter()
+        .map(|table| Named { name: table.name.replace('_', " "), srgb: under_daylight(table.spectrum(Outside::Hold)) });
     Catalogue {
         lights: lights().map(|table| table.name).collect(),
         paints: paints.collect(),

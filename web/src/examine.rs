@@ -63,11 +63,19 @@ pub(crate) struct Examined {
     error: f64,
     reached: bool,
     parts: Vec<Part>,
-    /// Light, reflectance and product at every nanometre of 380–780 nm; lights relative to the light's largest value.
+    #[serde(flatten)]
+    curves: Curves,
+    operators: Vec<Operator>,
+}
+
+/// Light, reflectance and product at every nanometre of 380–780 nm; lights relative to the light's largest value.
+#[derive(Serialize)]
+struct Curves {
     light: Vec<f64>,
     paint: Vec<f64>,
     product: Vec<f64>,
-    operators: Vec<Operator>,
+    #[serde(skip)]
+    largest: f64,
 }
 
 /// What all ways start from.
@@ -112,39 +120,33 @@ pub(crate) fn examine(
 
 /// The product on intervals, and its curves.
 fn split(scene: &Scene<'_>, mode: Mode, threshold: f64) -> Result<Examined, String> {
-    let words = |error: &dyn core::fmt::Display| error.to_string();
     let nodes = node_count(DEPTH);
     let mut weights = vec![Weight::default(); nodes];
-    let domain = Domain::build(Observer::cie_1931_2deg(), DEPTH, &mut weights).map_err(|e| words(&e))?;
+    let domain = Domain::build(Observer::cie_1931_2deg(), DEPTH, &mut weights).map_err(|e| e.to_string())?;
     let mut buffers = [vec![Interval::zero(); nodes], vec![Interval::zero(); nodes]];
     let [first, second] = &mut buffers;
     let leaves = [
-        Pyramid::build(scene.light, &domain, first).map_err(|e| words(&e))?,
-        Pyramid::build(scene.paint, &domain, second).map_err(|e| words(&e))?,
+        Pyramid::build(scene.light, &domain, first).map_err(|e| e.to_string())?,
+        Pyramid::build(scene.paint, &domain, second).map_err(|e| e.to_string())?,
     ];
     let mut ops = vec![Op::Leaf(0)];
     ops.extend((0..scene.reflections).flat_map(|_| [Op::Leaf(1), Op::Product]));
-    let program = Program::new(&ops).map_err(|e| words(&e))?;
+    let program = Program::new(&ops).map_err(|e| e.to_string())?;
     let target = Target { mode, threshold, white: scene.white };
-    let mut stack = [Interval::zero(); 2];
-    let mut pieces = [Piece::default(); MOST];
+    let (mut stack, mut pieces) = ([Interval::zero(); 2], [Piece::default(); MOST]);
     let mut sources = leaves.as_slice();
     let found =
-        evaluate(&program, &domain, &target, &mut sources, &mut stack, &mut pieces).map_err(|e| words(&e))?;
+        evaluate(&program, &domain, &target, &mut sources, &mut stack, &mut pieces).map_err(|e| e.to_string())?;
 
-    let curve = |spectrum: &dyn Spectrum<f64>| (380..=780).map(|w| spectrum.value(f64::from(w))).collect::<Vec<_>>();
-    let (mut light, paint) = (curve(scene.light), curve(scene.paint));
-    let largest = light.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
-    light.iter_mut().for_each(|value| *value /= largest);
-    let times = i32::try_from(scene.reflections).map_err(|e| words(&e))?;
-    let total: f64 = found.radius.iter().sum();
+    let curves = curves(scene)?;
+    let total = found.radius.iter().sum::<f64>().max(f64::MIN_POSITIVE);
     let mut parts = Vec::new();
     for piece in pieces.iter().take(found.intervals) {
         let [from, to] = piece.node.limits();
         let weight = domain.weight(piece.node);
         let interval = program.evaluate(piece.node, &weight, mode.order(), &mut sources, &mut stack);
-        let mean = interval.map_err(|e| words(&e))?.mean / largest;
-        parts.push(Part { from, to, mean, share: piece.radius.iter().sum::<f64>() / total.max(f64::MIN_POSITIVE) });
+        let mean = interval.map_err(|e| e.to_string())?.mean / curves.largest;
+        parts.push(Part { from, to, mean, share: piece.radius.iter().sum::<f64>() / total });
     }
     parts.sort_by(|a, b| a.from.total_cmp(&b.from));
     Ok(Examined {
@@ -153,11 +155,20 @@ fn split(scene: &Scene<'_>, mode: Mode, threshold: f64) -> Result<Examined, Stri
         error: delta_e_ab(scene.lab(found.xyz), scene.lab(scene.truth)),
         reached: found.status == Status::Reached,
         parts,
-        product: light.iter().zip(&paint).map(|(light, paint)| light * paint.powi(times)).collect(),
-        light,
-        paint,
+        curves,
         operators: Vec::new(),
     })
+}
+
+/// Light, reflectance and product at every nanometre.
+fn curves(scene: &Scene<'_>) -> Result<Curves, String> {
+    let curve = |spectrum: &dyn Spectrum<f64>| (380..=780).map(|w| spectrum.value(f64::from(w))).collect::<Vec<_>>();
+    let (mut light, paint) = (curve(scene.light), curve(scene.paint));
+    let largest = light.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
+    light.iter_mut().for_each(|value| *value /= largest);
+    let times = i32::try_from(scene.reflections).map_err(|e| e.to_string())?;
+    let product = light.iter().zip(&paint).map(|(light, paint)| light * paint.powi(times)).collect();
+    Ok(Curves { light, paint, product, largest })
 }
 
 /// The spectral truth, and the ways that know three components only.
