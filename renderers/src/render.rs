@@ -2,40 +2,29 @@
 
 mod between;
 mod gather;
+mod passes;
 mod photons;
+mod spectra;
 
-use core::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::sync::Mutex;
+use core::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
-use spectral_core::adaptive::Mode;
-use spectral_core::bilinear::Tensor;
-use spectral_core::bound::delta_e_bound;
-use spectral_core::colour::{delta_e_ab, rgb, xyz_to_lab};
-
-use rayon::prelude::*;
-
-use crate::geometry::sampling::SobolSequence;
-use crate::geometry::{Filter, Hit};
-use crate::image::{ImageError, MAX_PIXELS, Picture, Raster, ScalarMap};
+use crate::geometry::Filter;
+use crate::image::{MAX_PIXELS, Picture, ScalarMap};
 use crate::path;
+use crate::radiosity::Representation;
 use crate::scene::{self, Scene};
-use crate::spectral::{
-    Band, Colour, ComponentResolver, Components, FactorOrder, IntervalMemory, IntervalSettings, Intervals, Palette,
-    Radiance, Resolver, Role, SharedIntervals, Tracer, Uniform, UniformBins, Y_INTEGRAL,
-};
-use crate::whitted::{Caustics, Indirect, RenderError, Whitted, Worker};
+use crate::spectral::{IntervalMemory, IntervalSettings, Intervals, Palette, Resolver, SharedIntervals};
+use crate::whitted::{RenderError, Whitted};
 
 pub use between::BetweenReport;
 pub use gather::{Between, GatherOptions, GatherReport};
+use passes::{Frame, Pixels};
 use photons::Thrower;
 pub use photons::{FluxShares, PhotonCount, PhotonOptions, PhotonReport};
-
-/// Pixels along the side of the squares that threads take in turn.
-const TILE: usize = 16;
-
-/// Products of spectra that a thread remembers. Metals that mirror each other make ever new ones.
-const MAX_MONOMIALS: usize = 1 << 15;
+use spectra::Represented;
+pub use spectra::Spectra;
+pub(crate) use spectra::{bilinear, prefiltered};
 
 /// How light is gathered.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -60,56 +49,6 @@ impl core::fmt::Display for Renderer {
             Self::PhotonMap => "photon-map",
             Self::Path => "path",
         })
-    }
-}
-
-/// How spectra are represented.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Spectra {
-    /// Adaptive intervals with a colour bound.
-    Interval(IntervalSettings),
-    /// Equal bins over 380–780 nm.
-    Uniform(usize),
-    /// The naive product of three components.
-    Rgb,
-    /// The product of three components, those of materials filtered for the light that is the strongest in the scene.
-    RgbPrefiltered,
-    /// The bilinear product of three components.
-    Bilinear,
-    /// The same with this much transferred into red, green and blue: α of Granier and Damez 2004, section 6.2.
-    BilinearAlpha([f64; 3]),
-    /// Spectra of ten bins, made of three components.
-    Smits,
-}
-
-impl Default for Spectra {
-    /// Intervals with a certified bound of ΔE*ab 1.
-    fn default() -> Self {
-        Self::Interval(IntervalSettings { mode: Mode::Certified, threshold: 1.0 })
-    }
-}
-
-impl Spectra {
-    /// Whether products of spectra may be reordered.
-    const fn factor_order(&self) -> FactorOrder {
-        match self {
-            Self::Bilinear | Self::BilinearAlpha(_) => FactorOrder::Kept,
-            Self::Interval(_) | Self::Uniform(_) | Self::Rgb | Self::RgbPrefiltered | Self::Smits => FactorOrder::Free,
-        }
-    }
-}
-
-impl core::fmt::Display for Spectra {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        match self {
-            Self::Interval(_) => write!(f, "interval"),
-            Self::Uniform(count) => write!(f, "uniform:{count}"),
-            Self::Rgb => write!(f, "rgb"),
-            Self::RgbPrefiltered => write!(f, "rgb-prefiltered"),
-            Self::Bilinear => write!(f, "bilinear"),
-            Self::BilinearAlpha([r, g, b]) => write!(f, "bilinear:{r},{g},{b}"),
-            Self::Smits => write!(f, "smits"),
-        }
     }
 }
 
@@ -272,7 +211,10 @@ pub fn render_watched(scene: &Scene, options: &Options, watch: &dyn Watch) -> Re
             gather = Some(report);
             (pixels, false)
         }
-        Between::Ambient => ambient(scene, options, &frame, &palette, start)?,
+        Between::Ambient => {
+            let work = Ambient { frame: &frame, palette: &palette, start };
+            options.spectra.apply(scene, &palette, work)?
+        }
     };
     let photons = pixels.photons.clone();
     let rendering = pixels.into_rendering(size, samples, bounded).map_err(|e| RenderError::new(e.to_string()))?;
@@ -291,66 +233,29 @@ impl Options {
     }
 }
 
-/// Whitted's ray tracing with an ambient term.
-fn ambient(
-    scene: &Scene,
-    options: &Options,
-    frame: &Frame<'_>,
-    palette: &Palette,
+/// Whitted's ray tracing with an ambient term; whether it has a bound goes with the pixels.
+struct Ambient<'a> {
+    frame: &'a Frame<'a>,
+    palette: &'a Palette,
     start: Instant,
-) -> Result<(Pixels, bool), RenderError> {
-    Ok(match options.spectra {
-        Spectra::Interval(settings) => {
-            let mut memory = IntervalMemory::default();
-            let shared = SharedIntervals::new(palette, settings, &mut memory).map_err(RenderError::new)?;
-            (frame.trace(start, || Intervals::new(&shared)), true)
-        }
-        Spectra::Uniform(count) => {
-            let bins = UniformBins::new(palette, count).map_err(RenderError::new)?;
-            (frame.trace(start, || Uniform::new(&bins)), false)
-        }
-        Spectra::Rgb => {
-            let components = Components::naive(palette).map_err(RenderError::new)?;
-            (frame.trace(start, || ComponentResolver::new(&components)), false)
-        }
-        Spectra::RgbPrefiltered => {
-            let components = prefiltered(scene, palette)?;
-            (frame.trace(start, || ComponentResolver::new(&components)), false)
-        }
-        Spectra::Bilinear | Spectra::BilinearAlpha(_) => {
-            let components = bilinear(options.spectra, palette)?;
-            (frame.trace(start, || ComponentResolver::new(&components)), false)
-        }
-        Spectra::Smits => {
-            let bins = UniformBins::smits(palette).map_err(RenderError::new)?;
-            (frame.trace(start, || Uniform::new(&bins)), false)
-        }
-    })
 }
 
-/// Components for the bilinear product, with the transfer that is asked for.
-pub(crate) fn bilinear(spectra: Spectra, palette: &Palette) -> Result<Components, RenderError> {
-    let tensor = match spectra {
-        Spectra::BilinearAlpha(alpha) => {
-            Tensor::rec_709().with_alpha(alpha).map_err(|e| RenderError::new(e.to_string()))?
-        }
-        _ => Tensor::rec_709(),
-    };
-    Components::bilinear(palette, &tensor).map_err(RenderError::new)
-}
+impl Represented for Ambient<'_> {
+    type Output = (Pixels, bool);
 
-/// Components filtered for the light with the largest luminous flux.
-pub(crate) fn prefiltered(scene: &Scene, palette: &Palette) -> Result<Components, RenderError> {
-    let Some(spectrum) = scene.dominant_light() else {
-        return Err(RenderError::new("rgb-prefiltered needs a light, and the scene has none"));
-    };
-    let spectrum = scene.spectrum(spectrum);
-    let mut own = Palette::default();
-    own.factor(spectrum, Role::Light);
-    let light = own.leaves().first().map(|(light, _)| light.clone());
-    let light = light.ok_or_else(|| RenderError::new("the dominant light has no spectrum"))?;
-    Components::prefiltered(palette, &light)
-        .map_err(|e| RenderError::new(format!("rgb-prefiltered, {}: {e}", spectrum.label)))
+    fn with_intervals(self, settings: IntervalSettings) -> Result<Self::Output, RenderError> {
+        let mut memory = IntervalMemory::default();
+        let shared = SharedIntervals::new(self.palette, settings, &mut memory).map_err(RenderError::new)?;
+        Ok((self.frame.trace(self.start, || Intervals::new(&shared)), true))
+    }
+
+    fn with<R: Resolver>(
+        self,
+        _: &dyn Representation,
+        new_resolver: impl Fn() -> R + Sync,
+    ) -> Result<Self::Output, RenderError> {
+        Ok((self.frame.trace(self.start, new_resolver), false))
+    }
 }
 
 /// Refuses pictures that could not be kept, before time is spent on them.
@@ -369,251 +274,6 @@ pub(crate) fn filter(filter: scene::Filter) -> Result<Filter, RenderError> {
         scene::Filter::Gaussian { stddev } => Filter::gaussian(stddev),
     }
     .map_err(|e| RenderError::new(e.to_string()))
-}
-
-/// What all threads share.
-struct Frame<'s> {
-    size: [usize; 2],
-    samples: u32,
-    seed: u64,
-    filter: Filter,
-    scene: &'s Whitted,
-    order: FactorOrder,
-    /// Light between surfaces, in place of the ambient term.
-    indirect: Option<&'s dyn Indirect>,
-    /// Throws photons, for light by way of mirrors and glass.
-    thrower: Option<&'s Thrower<'s>>,
-    watch: &'s dyn Watch,
-}
-
-/// The most places that the camera sees which light between surfaces is prepared for.
-const MOST_SEEN: usize = 1 << 18;
-
-/// The colours of all pixels, row by row.
-#[derive(Default)]
-struct Pixels {
-    colours: Vec<Colour>,
-    rays: u64,
-    seconds: f64,
-    preparation_seconds: f64,
-    photons: Option<PhotonReport>,
-}
-
-impl Frame<'_> {
-    /// Where the camera sees surfaces that light between them matters for: through the middles of pixels, of every one or, in large
-    /// pictures, of some.
-    #[allow(clippy::cast_precision_loss, reason = "pixel coordinates")]
-    fn seen(&self) -> Vec<Hit> {
-        let [width, height] = self.size;
-        let mut stride = 1;
-        while width.div_ceil(stride) * height.div_ceil(stride) > MOST_SEEN {
-            stride += 1;
-        }
-        let row = |y: usize| {
-            let mut worker = Worker::new(self.scene, self.order).noting();
-            for x in (0..width).step_by(stride) {
-                let middle = |p: usize| (p as f64) + stride as f64 / 2.0;
-                let mut radiance = Radiance::default();
-                worker.start_pixel(self.points(x, y));
-                worker.sample(middle(x), middle(y), 1.0, &mut radiance);
-                for (deferred, _, _) in radiance.deferred() {
-                    worker.trace(*deferred, Band::single(587.5618));
-                }
-            }
-            worker.into_noted()
-        };
-        let rows: Vec<usize> = (0..height).step_by(stride).collect();
-        rows.into_par_iter().flat_map_iter(row).collect()
-    }
-
-    /// Renders all passes, each with photons of its own if there are any, and takes the mean.
-    fn trace<R: Resolver>(&self, start: Instant, new_resolver: impl Fn() -> R + Sync) -> Pixels {
-        let Some(thrower) = self.thrower else { return self.trace_pass((0, None), start, &new_resolver) };
-        let (first, mut throwing) = thrower.first();
-        let (mut mean, mut photons) = (Mean::default(), None);
-        for pass in 0..thrower.passes() {
-            let thrown = Instant::now();
-            let own = (pass > 0).then(|| thrower.pass(pass, self.watch));
-            if own.is_some() {
-                throwing += thrown.elapsed().as_secs_f64();
-            }
-            let Some(maps) = own.as_ref().or(first) else { continue };
-            mean.add(self.trace_pass((pass, Some(maps)), start, &new_resolver));
-            photons = Some(PhotonReport::new(maps, thrower.idle_lights(), throwing));
-        }
-        Pixels { photons, ..mean.into_pixels() }
-    }
-
-    /// Renders all tiles, each by whichever thread is free; each thread has one resolver.
-    fn trace_pass<R: Resolver>(
-        &self,
-        (pass, caustics): (u32, Option<&dyn Caustics>),
-        start: Instant,
-        new_resolver: &(impl Fn() -> R + Sync),
-    ) -> Pixels {
-        let preparation_seconds = start.elapsed().as_secs_f64();
-        let traced = Instant::now();
-        self.watch.stage(LAST_STAGE, (self.size[0] * self.size[1]) as u64);
-        let [width, height] = self.size;
-        let across = width.div_ceil(TILE);
-        let tiles = across * height.div_ceil(TILE);
-        let next = AtomicUsize::new(0);
-        let shared = Mutex::new((vec![Colour::default(); width * height], 0_u64));
-        rayon::broadcast(|_| {
-            let mut worker = Worker::new(self.scene, self.order);
-            if let Some(indirect) = self.indirect {
-                worker = worker.with_indirect(indirect);
-            }
-            if let Some(caustics) = caustics {
-                worker = worker.with_caustics(caustics);
-            }
-            let mut resolver = new_resolver();
-            let mut colours = Vec::with_capacity(TILE * TILE);
-            loop {
-                let tile = next.fetch_add(1, Ordering::Relaxed);
-                if tile >= tiles {
-                    break;
-                }
-                let (left, top) = (tile % across * TILE, tile / across * TILE);
-                let (right, bottom) = ((left + TILE).min(width), (top + TILE).min(height));
-                colours.clear();
-                for (x, y) in (top..bottom).flat_map(|y| (left..right).map(move |x| (x, y))) {
-                    if worker.monomials().len() > MAX_MONOMIALS {
-                        // What is known of products is forgotten with their numbers; colours don't depend on it.
-                        worker.forget();
-                        resolver = new_resolver();
-                    }
-                    colours.push(self.pixel([x, y], pass, &mut worker, &mut resolver));
-                }
-                if let Ok(mut shared) = shared.lock() {
-                    for (row, y) in colours.chunks(right - left).zip(top..bottom) {
-                        shared.0[y * width + left..y * width + right].copy_from_slice(row);
-                    }
-                }
-                self.watch.add(colours.len() as u64);
-            }
-            if let Ok(mut shared) = shared.lock() {
-                shared.1 += worker.rays();
-            }
-        });
-        let (colours, rays) = shared.into_inner().unwrap_or_default();
-        Pixels { colours, rays, seconds: traced.elapsed().as_secs_f64(), preparation_seconds, photons: None }
-    }
-
-    /// The random numbers of a pixel.
-    #[allow(clippy::cast_possible_truncation, reason = "a hashed seed; pictures are smaller")]
-    const fn points(&self, x: usize, y: usize) -> SobolSequence {
-        let seed = (self.seed ^ (self.seed >> 32)) as u32;
-        SobolSequence::for_pixel(x as u32, y as u32, seed)
-    }
-
-    /// One pixel: all its camera rays in one expression, evaluated once.
-    #[allow(clippy::cast_precision_loss, reason = "pixel coordinates")]
-    fn pixel<R: Resolver>(&self, [x, y]: [usize; 2], pass: u32, worker: &mut Worker<'_>, resolver: &mut R) -> Colour {
-        let mut radiance = Radiance::default();
-        let weight = 1.0 / f64::from(self.samples);
-        let points = self.points(x, y);
-        worker.start_pixel(points);
-        let first = pass.wrapping_mul(self.samples);
-        worker.skip_samples(first);
-        for sample in first..first.saturating_add(self.samples) {
-            let [dx, dy] = self.filter.square_to_offset(points.point(sample, 0)).map(f64::from);
-            worker.sample(x as f64 + 0.5 + dx, y as f64 + 0.5 + dy, weight, &mut radiance);
-        }
-        let colour = resolver.resolve(&radiance, worker);
-        Colour { photon_delta_e: noise(colour.xyz, worker, resolver), ..colour }
-    }
-}
-
-/// The ΔE*ab that the colour changes by with a standard error more of the light that photons found, of each product by itself.
-fn noise<R: Resolver>(xyz: [f64; 3], worker: &mut Worker<'_>, resolver: &mut R) -> f64 {
-    let noise = worker.take_noise();
-    if noise.terms().is_empty() {
-        return 0.0;
-    }
-    let mut squares = [0.0; 3];
-    for (monomial, error) in noise.terms() {
-        let mut one = Radiance::default();
-        one.add(*monomial, *error);
-        let part = resolver.resolve(&one, worker).xyz;
-        squares = core::array::from_fn(|a| squares[a] + part[a] * part[a]);
-    }
-    let more = core::array::from_fn(|a| xyz[a] + squares[a].sqrt());
-    delta_e_ab(xyz_to_lab(xyz, rgb::WHITE), xyz_to_lab(more, rgb::WHITE))
-}
-
-/// The mean of passes.
-#[derive(Default)]
-struct Mean {
-    sum: Option<Pixels>,
-    passes: u32,
-}
-
-impl Mean {
-    fn add(&mut self, pass: Pixels) {
-        self.passes += 1;
-        let Some(sum) = &mut self.sum else {
-            self.sum = Some(pass);
-            return;
-        };
-        sum.rays += pass.rays;
-        sum.seconds += pass.seconds;
-        for (sum, colour) in sum.colours.iter_mut().zip(pass.colours) {
-            *sum = Colour {
-                xyz: core::array::from_fn(|a| sum.xyz[a] + colour.xyz[a]),
-                radius: core::array::from_fn(|a| sum.radius[a] + colour.radius[a]),
-                delta_e: sum.delta_e + colour.delta_e,
-                path_delta_e: sum.path_delta_e + colour.path_delta_e,
-                // Passes are independent.
-                photon_delta_e: sum.photon_delta_e.hypot(colour.photon_delta_e),
-                intervals: sum.intervals.max(colour.intervals),
-            };
-        }
-    }
-
-    fn into_pixels(self) -> Pixels {
-        let mut pixels = self.sum.unwrap_or_default();
-        if self.passes < 2 {
-            return pixels;
-        }
-        let share = 1.0 / f64::from(self.passes);
-        for colour in &mut pixels.colours {
-            let [xyz, radius] = [colour.xyz, colour.radius].map(|v| v.map(|v| v * share));
-            let [scaled, box_size, white] = [xyz, radius, rgb::WHITE].map(|v| v.map(|v| v * Y_INTEGRAL));
-            *colour = Colour {
-                xyz,
-                radius,
-                // The box of the mean is the mean of the boxes.
-                delta_e: delta_e_bound(scaled, box_size, white).delta_e,
-                path_delta_e: colour.path_delta_e * share,
-                photon_delta_e: colour.photon_delta_e * share,
-                intervals: colour.intervals,
-            };
-        }
-        pixels
-    }
-}
-
-impl Pixels {
-    fn into_rendering(self, [width, height]: [usize; 2], samples: u32, bounded: bool) -> Result<Rendering, ImageError> {
-        let raster = Raster::from_pixels(width, height, self.colours)?;
-        Ok(Rendering {
-            picture: raster.map(|c| rgb::xyz_to_linear_rgb(c.xyz).map(single)),
-            #[allow(clippy::cast_precision_loss, reason = "at most some hundred")]
-            intervals: raster.map(|c| c.intervals as f32),
-            delta_e: bounded.then(|| raster.map(|c| single_above(c.delta_e))),
-            path_delta_e: bounded.then(|| raster.map(|c| single_above(c.path_delta_e))),
-            photon_delta_e: Some(raster.map(|c| single_above(c.photon_delta_e))),
-            variance: None,
-            samples,
-            rays: self.rays,
-            seconds: self.seconds,
-            preparation_seconds: self.preparation_seconds,
-            between: None,
-            photons: None,
-            gather: None,
-        })
-    }
 }
 
 /// A picture's number: finite, since files keep no others; NaN, of infinite light, is black, under a bound that says so.

@@ -81,6 +81,29 @@ fn counts_out_of_range_are_refused() {
     }
 }
 
+/// Estimates from n photons with a kernel of roughness R have a standard error of √(R/n) at least: 16.3 % for 50 and Epanechnikov's 4/3, 14.1 %
+/// for the constant kernel.
+#[test]
+fn errors_that_no_number_of_photons_meets_are_refused_at_once() {
+    for (arguments, least) in [
+        ("--photon-error 0.1", "16.3 %"),
+        ("--photon-error 0.163", "16.3 %"),
+        ("--photon-error 0.14 --kernel constant", "14.1 %"),
+        ("--photon-error 0.001 --nearest 1000", "3.7 %"),
+    ] {
+        let output = run(&folder("unreachable"), "caustic-ring-mirror", arguments);
+        assert_eq!(output.status.code(), Some(2), "{arguments}: {output:?}");
+        let text = String::from_utf8(output.stderr).unwrap();
+        for words in [least, "--nearest", "--photon-error"] {
+            assert!(text.contains(words), "{arguments}: {text}");
+        }
+        assert!(output.stdout.is_empty() && text.trim_end().lines().count() == 1, "{arguments}: {text}");
+    }
+    // What is above is met.
+    let map = &answer(&folder("reachable"), "caustic-ring-mirror", "--photon-error 0.15 --nearest 100")["photon_map"];
+    assert!(map["emitted"].as_u64().unwrap() > 1000, "{map}");
+}
+
 #[test]
 fn scenes_without_anything_for_photons_are_drawn_with_a_note() {
     let folder = folder("without");

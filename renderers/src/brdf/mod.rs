@@ -6,7 +6,6 @@
 //! - [`plot_fits`], [`plot_albedo`]: both as pictures.
 
 mod albedo;
-mod chart;
 mod data;
 mod fit;
 mod fitted;

@@ -4,12 +4,14 @@ use std::path::Path;
 
 use spectral_core::brdf::Variant;
 
-use super::chart::{Axes, GROUND, INK, TEXT, legend};
 use super::data::direction;
 use super::{Fit, FittedReading};
+use crate::image::chart::{Axes, GROUND, INK, legend};
 use crate::image::{Anchor, Canvas, ImageError, Rgb8};
 
 const DATA: Rgb8 = INK;
+/// The height of capitals.
+const TEXT: f32 = 13.0;
 /// One for each of [`Variant::ALL`], and one for a density. Apart for dichromats, too: after Okabe and Ito (2008).
 const COLOURS: [Rgb8; 5] = [[0, 114, 178], [230, 159, 0], [0, 158, 115], [213, 94, 0], [120, 120, 120]];
 /// Frame of a small chart, with its numbers and titles.
@@ -37,7 +39,7 @@ pub fn plot_fits(fits: &[(Variant, Fit)], path: &Path) -> Result<(), ImageError>
     let mut canvas = Canvas::new(whole(width * float(COLUMNS)), whole(heading + height * float(rows.max(1))), GROUND)?;
     for (index, (model, fit)) in fits.iter().enumerate() {
         let place = [40.0 + 740.0 * float(index % 2), 32.0 + 26.0 * float(index / 2)];
-        legend(&mut canvas, place, &summary(fit), colour(*model));
+        legend(&mut canvas, place, (&summary(fit), TEXT), colour(*model));
     }
     for (index, group) in groups.iter().enumerate() {
         let corner = [width * float(index % COLUMNS), heading + height * float(index / COLUMNS)];
@@ -80,7 +82,7 @@ fn panel(canvas: &mut Canvas, [left, top]: [f32; 2], group: &[FittedReading], fi
     let highest = points.iter().chain(curves.iter().flat_map(|(_, c)| c.iter().filter(before_horizon))).map(|p| p[1]);
     let highest = highest.fold(0.0, f64::max);
     let y = [0.0, if highest > 0.0 { 1.06 * highest } else { 1.0 }];
-    let axes = Axes { frame: [left + 92.0, top + 46.0, PANEL[0] - 122.0, PANEL[1] - 112.0], x, y };
+    let axes = Axes { frame: [left + 92.0, top + 46.0, PANEL[0] - 122.0, PANEL[1] - 112.0], x, y, text: TEXT };
     axes.draw(canvas, ["view angle (°)", "BRDF (1/sr)"], [6, 5]);
     let hidden = group.len() - points.len();
     let note = if hidden == 0 { String::new() } else { format!(", {hidden} out of the plane") };
@@ -139,7 +141,7 @@ pub fn plot_albedo(curves: &[AlbedoCurve], path: &Path) -> Result<(), ImageError
     };
     for (index, curve) in curves.iter().enumerate() {
         let place = [60.0 + 480.0 * float(index % 3), 32.0 + 26.0 * float(index / 3)];
-        legend(&mut canvas, place, &curve.name, colour_of(index, curve));
+        legend(&mut canvas, place, (&curve.name, TEXT), colour_of(index, curve));
     }
     let frames = [[92.0, heading + 20.0, 620.0, 450.0], [852.0, heading + 20.0, 610.0, 450.0]];
     let values = || curves.iter().flat_map(|curve| &curve.points).map(|point| point[1]);
@@ -147,7 +149,7 @@ pub fn plot_albedo(curves: &[AlbedoCurve], path: &Path) -> Result<(), ImageError
     let low = if least >= 0.5 { 0.5 } else { 0.0 };
     let tops = if largest <= 1.05 { [1.05; 2] } else { [1.5, 3.0] };
     for ((frame, x), top) in frames.into_iter().zip([[0.0, 90.0], [80.0, 90.0]]).zip(tops) {
-        let axes = Axes { frame, x, y: [low, top] };
+        let axes = Axes { frame, x, y: [low, top], text: TEXT };
         axes.draw(&mut canvas, ["light angle (°)", "albedo"], [9, 6]);
         let one = [axes.point(x[0], 1.0), axes.point(x[1], 1.0)];
         canvas.lines(&one, 1.4, INK);

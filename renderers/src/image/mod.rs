@@ -10,6 +10,7 @@
 
 mod atomic;
 mod canvas;
+pub(crate) mod chart;
 mod error;
 mod exr;
 mod false_colour;

@@ -11,13 +11,11 @@ use spectral_core::summation::SumGrid;
 use spectral_core::tables::observers::CIE_1931_2;
 
 use super::LightReport;
-use crate::image::{Anchor, Canvas, ImageError, Rgb8, Scale, ticks};
+use crate::image::chart::{Axes, GROUND, INK, legend};
+use crate::image::{Anchor, Canvas, ImageError, Rgb8};
 
 const WIDTH: usize = 1200;
 const HEIGHT: usize = 800;
-const GROUND: Rgb8 = [255, 255, 255];
-const INK: Rgb8 = [30, 30, 30];
-const GRID: Rgb8 = [222, 222, 222];
 const LIGHT: Rgb8 = [200, 30, 30];
 const REFERENCE: Rgb8 = [60, 90, 190];
 const TEXT: f32 = 11.0;
@@ -45,51 +43,12 @@ fn title(report: &LightReport) -> String {
     format!("{name}: {:.0} K{worth}, Duv {:+.4}{index}", report.cct, report.duv)
 }
 
-/// A chart area, and the ranges of its axes.
-struct Axes {
-    frame: [f32; 4],
-    x: [f64; 2],
-    y: [f64; 2],
-}
-
-impl Axes {
-    fn point(&self, x: f64, y: f64) -> [f32; 2] {
-        let [left, top, width, height] = self.frame;
-        let across = Scale::Linear.fraction(x, self.x[0], self.x[1]);
-        let up = Scale::Linear.fraction(y, self.y[0], self.y[1]);
-        [left + pixels(across) * width, top + height - pixels(up) * height]
-    }
-
-    fn draw(&self, canvas: &mut Canvas, labels: [&str; 2]) {
-        let [left, top, width, height] = self.frame;
-        for tick in ticks(Scale::Linear, self.x[0], self.x[1], 6) {
-            let [x, _] = self.point(tick.value, self.y[0]);
-            canvas.lines(&[[x, top], [x, top + height]], 1.0, GRID);
-            canvas.text(&tick.label, [x, top + height + 18.0], TEXT, Anchor::Middle, INK);
-        }
-        for tick in ticks(Scale::Linear, self.y[0], self.y[1], 6) {
-            let [_, y] = self.point(self.x[0], tick.value);
-            canvas.lines(&[[left, y], [left + width, y]], 1.0, GRID);
-            canvas.text(&tick.label, [left - 6.0, y + 4.0], TEXT, Anchor::End, INK);
-        }
-        let corners = [[left, top], [left, top + height], [left + width, top + height]];
-        canvas.lines(&corners, 1.2, INK);
-        canvas.text(labels[0], [left + 0.5 * width, top + height + 38.0], TEXT, Anchor::Middle, INK);
-        canvas.text_upwards(labels[1], [left - 52.0, top + 0.5 * height], TEXT, Anchor::Middle, INK);
-    }
-}
-
-#[allow(clippy::cast_possible_truncation, reason = "pixel positions")]
-fn pixels(value: f64) -> f32 {
-    value as f32
-}
-
 fn spectra(canvas: &mut Canvas, report: &LightReport) {
     let stages = &report.stages;
     let all = stages.light.iter().chain(stages.reference.iter().flatten());
     let top = all.copied().fold(0.0, f64::max);
-    let axes = Axes { frame: [100.0, 70.0, 560.0, 300.0], x: [380.0, 780.0], y: [0.0, 1.05] };
-    axes.draw(canvas, ["wavelength (nm)", "relative spectral power"]);
+    let axes = Axes { frame: [100.0, 70.0, 560.0, 300.0], x: [380.0, 780.0], y: [0.0, 1.05], text: TEXT };
+    axes.draw(canvas, ["wavelength (nm)", "relative spectral power"], [6; 2]);
     let mut curve = |samples: &[f64], thickness: f32, colour: Rgb8| {
         let wavelengths =
             (0_u32..).map(|index| f64::from(report.grid.first) + f64::from(index) * f64::from(report.grid.step));
@@ -100,21 +59,16 @@ fn spectra(canvas: &mut Canvas, report: &LightReport) {
         curve(reference, 1.5, REFERENCE);
     }
     curve(&stages.light, 2.0, LIGHT);
-    legend(canvas, [470.0, 84.0], "light", LIGHT);
+    legend(canvas, [470.0, 84.0], ("light", TEXT), LIGHT);
     if let Some(reference) = &report.reference {
         let text = format!("{} {:.0} K", reference.kind, reference.temperature);
-        legend(canvas, [470.0, 104.0], &text, REFERENCE);
+        legend(canvas, [470.0, 104.0], (&text, TEXT), REFERENCE);
     }
 }
 
-fn legend(canvas: &mut Canvas, [x, y]: [f32; 2], text: &str, colour: Rgb8) {
-    canvas.lines(&[[x, y], [x + 22.0, y]], 2.0, colour);
-    canvas.text(text, [x + 30.0, y + 4.0], TEXT, Anchor::Start, INK);
-}
-
 fn chromaticity(canvas: &mut Canvas, report: &LightReport) {
-    let axes = Axes { frame: [780.0, 70.0, 380.0, 300.0], x: [0.0, 0.65], y: [0.0, 0.42] };
-    axes.draw(canvas, ["u (CIE 1960)", "v (CIE 1960)"]);
+    let axes = Axes { frame: [780.0, 70.0, 380.0, 300.0], x: [0.0, 0.65], y: [0.0, 0.42], text: TEXT };
+    axes.draw(canvas, ["u (CIE 1960)", "v (CIE 1960)"], [6; 2]);
     let grid = SumGrid::CIE_1NM;
     let observer = grid.observer::<f64>(&CIE_1931_2);
     // From 400 to 700 nm; beyond, the locus stands still.

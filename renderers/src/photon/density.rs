@@ -237,6 +237,18 @@ impl Density {
         self.weigh(estimate, mass, radius * radius);
     }
 
+    /// The relative standard error of estimates from [`count`](Self::count) photons where irradiance is uniform, however dense photons are.
+    #[allow(clippy::cast_precision_loss, reason = "a count")]
+    pub(crate) fn least_error(&self) -> f64 {
+        (self.kernel.roughness() / self.count as f64).sqrt()
+    }
+
+    /// How many photons an estimate must take for such an error.
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "saturates")]
+    pub(crate) fn count_for(&self, error: f64) -> u64 {
+        (self.kernel.roughness() / (error * error)).ceil() as u64
+    }
+
     /// The distance within which half of the photons have as many others as an estimate takes at most, in scene units: by some of them.
     pub(crate) fn usual_radius(&self, map: &PhotonMap) -> f32 {
         const SOME: usize = 512;

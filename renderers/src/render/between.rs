@@ -2,13 +2,12 @@
 
 use std::time::Instant;
 
-use super::{BetweenOptions, Frame, Options, Pixels, Spectra, Watch, bilinear, prefiltered};
+use super::{BetweenOptions, Frame, Options, Pixels, Represented, Spectra, Watch};
 use crate::photon::Maps;
-use crate::radiosity::{self, Caustics, Field, FieldSettings, Others, Radiosity, Report, Solution};
+use crate::radiosity::{self, Caustics, Field, FieldSettings, Others, Radiosity, Report, Representation, Solution};
 use crate::scene::{Integrator, Scene};
 use crate::spectral::{
-    ComponentResolver, Components, IntervalMemory, IntervalSettings, Intervals, Palette, Resolver, SharedIntervals,
-    Uniform, UniformBins, WithGathered,
+    IntervalMemory, IntervalSettings, Intervals, Palette, Resolver, SharedIntervals, UniformBins, WithGathered,
 };
 use crate::whitted::RenderError;
 
@@ -38,39 +37,9 @@ pub(super) fn render(
     let radiosity = build(scene, &options.between, &mut palette, watch)?;
     let built = start.elapsed().as_secs_f64();
     let guide = UniformBins::new(&palette, GUIDE_BINS).map_err(RenderError::new)?;
-    let job = Job { scene, options, radiosity: &radiosity, guide: &guide, frame, start, built, watch };
-    let solve = |representation| radiosity.solve(representation).map_err(|e| RenderError::new(e.to_string()));
-    match options.spectra {
-        Spectra::Interval(settings) => {
-            // Direct and indirect light each have half of the error.
-            let settings = IntervalSettings { threshold: settings.threshold / 2.0, ..settings };
-            let mut memory = IntervalMemory::default();
-            let shared = SharedIntervals::new(&palette, settings, &mut memory).map_err(RenderError::new)?;
-            let solution =
-                radiosity.solve_intervals(&palette, &settings).map_err(|e| RenderError::new(e.to_string()))?;
-            job.trace(&solution, || Intervals::new(&shared))
-        }
-        Spectra::Uniform(count) => {
-            let bins = UniformBins::new(&palette, count).map_err(RenderError::new)?;
-            job.trace(&solve(&bins)?, || Uniform::new(&bins))
-        }
-        Spectra::Smits => {
-            let bins = UniformBins::smits(&palette).map_err(RenderError::new)?;
-            job.trace(&solve(&bins)?, || Uniform::new(&bins))
-        }
-        Spectra::Rgb => {
-            let components = Components::naive(&palette).map_err(RenderError::new)?;
-            job.trace(&solve(&components)?, || ComponentResolver::new(&components))
-        }
-        Spectra::RgbPrefiltered => {
-            let components = prefiltered(scene, &palette)?;
-            job.trace(&solve(&components)?, || ComponentResolver::new(&components))
-        }
-        Spectra::Bilinear | Spectra::BilinearAlpha(_) => {
-            let components = bilinear(options.spectra, &palette)?;
-            job.trace(&solve(&components)?, || ComponentResolver::new(&components))
-        }
-    }
+    let (radiosity, guide, palette) = (&radiosity, &guide, &palette);
+    let job = Job { scene, options, radiosity, guide, palette, frame, start, built, watch };
+    options.spectra.apply(scene, palette, job)
 }
 
 /// Patches and links.
@@ -111,10 +80,33 @@ struct Job<'s> {
     options: &'s Options,
     radiosity: &'s Radiosity,
     guide: &'s UniformBins,
+    palette: &'s Palette,
     frame: Frame<'s>,
     start: Instant,
     built: f64,
     watch: &'s dyn Watch,
+}
+
+impl Represented for Job<'_> {
+    type Output = (Pixels, bool, BetweenReport);
+
+    fn with_intervals(self, settings: IntervalSettings) -> Result<Self::Output, RenderError> {
+        // Direct and indirect light each have half of the error.
+        let settings = IntervalSettings { threshold: settings.threshold / 2.0, ..settings };
+        let mut memory = IntervalMemory::default();
+        let shared = SharedIntervals::new(self.palette, settings, &mut memory).map_err(RenderError::new)?;
+        let solution = self.radiosity.solve_intervals(self.palette, &settings);
+        self.trace(&solution.map_err(|e| RenderError::new(e.to_string()))?, || Intervals::new(&shared))
+    }
+
+    fn with<R: Resolver>(
+        self,
+        representation: &dyn Representation,
+        new_resolver: impl Fn() -> R + Sync,
+    ) -> Result<Self::Output, RenderError> {
+        let solution = self.radiosity.solve(representation).map_err(|e| RenderError::new(e.to_string()))?;
+        self.trace(&solution, new_resolver)
+    }
 }
 
 impl Job<'_> {
@@ -123,7 +115,7 @@ impl Job<'_> {
         solution: &Solution<'_>,
         new_resolver: impl Fn() -> R + Sync,
     ) -> Result<(Pixels, bool, BetweenReport), RenderError> {
-        let Self { scene, options, radiosity, guide, frame, start, built, watch } = self;
+        let Self { scene, options, radiosity, guide, frame, start, built, watch, .. } = self;
         let representation = solution.representation();
         let solved = start.elapsed().as_secs_f64();
         let BetweenOptions { accuracy, exact } = options.between;

@@ -2,14 +2,13 @@
 
 use std::time::Instant;
 
-use super::{BetweenOptions, Frame, Options, Pixels, Spectra, Watch, bilinear, prefiltered};
+use super::{BetweenOptions, Frame, Options, Pixels, Represented, Watch};
 use crate::geometry::Hit;
 use crate::photon::{Density, GatherSettings, Gatherer, Global, GlobalSettings};
 use crate::radiosity::{self, Mosaic, Representation};
 use crate::scene::{Integrator, Scene};
 use crate::spectral::{
-    ComponentResolver, Components, IntervalMemory, Intervals, Palette, Resolver, SharedIntervals, Uniform, UniformBins,
-    WithGathered,
+    IntervalMemory, IntervalSettings, Intervals, Palette, Resolver, SharedIntervals, UniformBins, WithGathered,
 };
 use crate::whitted::{Indirect, RenderError};
 
@@ -98,34 +97,7 @@ pub(super) fn render(
     let mosaic = Mosaic::new(scene, &mut palette).map_err(|e| RenderError::new(e.to_string()))?;
     let palette = &palette;
     let job = Job { scene, options, palette, mosaic, frame, start, watch };
-    match options.spectra {
-        Spectra::Interval(settings) => {
-            let mut memory = IntervalMemory::default();
-            let shared = SharedIntervals::new(palette, settings, &mut memory).map_err(RenderError::new)?;
-            let bins = UniformBins::new(palette, BINS).map_err(RenderError::new)?;
-            job.trace(&bins, || Intervals::new(&shared))
-        }
-        Spectra::Uniform(count) => {
-            let bins = UniformBins::new(palette, count).map_err(RenderError::new)?;
-            job.trace(&bins, || Uniform::new(&bins))
-        }
-        Spectra::Smits => {
-            let bins = UniformBins::smits(palette).map_err(RenderError::new)?;
-            job.trace(&bins, || Uniform::new(&bins))
-        }
-        Spectra::Rgb => {
-            let components = Components::naive(palette).map_err(RenderError::new)?;
-            job.trace(&components, || ComponentResolver::new(&components))
-        }
-        Spectra::RgbPrefiltered => {
-            let components = prefiltered(scene, palette)?;
-            job.trace(&components, || ComponentResolver::new(&components))
-        }
-        Spectra::Bilinear | Spectra::BilinearAlpha(_) => {
-            let components = bilinear(options.spectra, palette)?;
-            job.trace(&components, || ComponentResolver::new(&components))
-        }
-    }
+    options.spectra.apply(scene, palette, job)
 }
 
 /// Refuses what makes no sense, or takes too much memory.
@@ -158,12 +130,22 @@ struct Job<'s> {
     watch: &'s dyn Watch,
 }
 
-impl Job<'_> {
-    fn trace<R: Resolver>(
+impl Represented for Job<'_> {
+    type Output = (Pixels, GatherReport);
+
+    fn with_intervals(self, settings: IntervalSettings) -> Result<Self::Output, RenderError> {
+        let palette = self.palette;
+        let mut memory = IntervalMemory::default();
+        let shared = SharedIntervals::new(palette, settings, &mut memory).map_err(RenderError::new)?;
+        let bins = UniformBins::new(palette, BINS).map_err(RenderError::new)?;
+        self.with(&bins, || Intervals::new(&shared))
+    }
+
+    fn with<R: Resolver>(
         self,
         representation: &dyn Representation,
         new_resolver: impl Fn() -> R + Sync,
-    ) -> Result<(Pixels, GatherReport), RenderError> {
+    ) -> Result<Self::Output, RenderError> {
         let Self { scene, options, palette, mut mosaic, frame, start, watch } = self;
         let GatherOptions { photons, rays } = options.gather;
         let (whitted, world) = (frame.scene, frame.scene.world());

@@ -167,16 +167,7 @@ impl<'s> Thrower<'s> {
         let mut thrower = Self { scene, emission, density, options: *options, count: TRIAL, first: None, seconds: 0.0 };
         match options.count {
             PhotonCount::Count(count) => thrower.count = count,
-            PhotonCount::Error(error) => loop {
-                let maps = thrower.pass(0, watch);
-                let found = maps.error();
-                if !(found > error) {
-                    thrower.first = Some(maps);
-                    break;
-                }
-                thrower.count = more(thrower.count, found / error);
-                check_memory(thrower.count, emission)?;
-            },
+            PhotonCount::Error(error) => thrower.find_count(error, watch)?,
         }
         check_memory(thrower.count, emission)?;
         if thrower.first.is_none() {
@@ -184,6 +175,30 @@ impl<'s> Thrower<'s> {
         }
         thrower.seconds = start.elapsed().as_secs_f64();
         Ok(thrower)
+    }
+
+    /// Throws ever more photons until an error is met, and keeps these; refuses errors that no number of photons meets.
+    fn find_count(&mut self, error: f64, watch: &dyn Watch) -> Result<(), RenderError> {
+        let least = self.density.least_error();
+        if !(error > least) {
+            return Err(unreachable_error(error, least, &self.density));
+        }
+        let mut before = f64::INFINITY;
+        loop {
+            let maps = self.pass(0, watch);
+            let found = maps.error();
+            if !(found > error) {
+                self.first = Some(maps);
+                return Ok(());
+            }
+            // Where estimates have all the photons they may take, more of them help no more.
+            if found < NEAR_LEAST * least && found > STANDSTILL * before {
+                return Err(unreachable_error(error, found, &self.density));
+            }
+            before = found;
+            self.count = more(self.count, found / error);
+            check_memory(self.count, self.emission)?;
+        }
     }
 
     /// Lights that see no mirror or glass.
@@ -223,6 +238,23 @@ const TRIAL: u64 = 1 << 15;
 #[allow(clippy::cast_precision_loss, clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "an estimate")]
 fn more(count: u64, times: f64) -> u64 {
     (count as f64 * (1.1 * times).powi(3).clamp(1.25, 64.0)) as u64
+}
+
+/// An error stands still if more photons leave more than this share of it, and it is not farther than this from the least one.
+const STANDSTILL: f64 = 0.98;
+const NEAR_LEAST: f64 = 1.5;
+
+/// Says why an error can't be met, and what to do.
+fn unreachable_error(error: f64, least: f64, density: &Density) -> RenderError {
+    let (percent, count) = (|share: f64| 100.0 * share, density.count);
+    // What is asked for should not be the least possible.
+    let enough = density.count_for(0.8 * error);
+    RenderError::new(format!(
+        "an error of {:.3} % (--photon-error) can't be met: estimates from {count} photons keep {:.1} %, however many there are; \
+         estimates from {enough} could (--nearest), or allow a larger error",
+        percent(error),
+        percent(least),
+    ))
 }
 
 /// Refuses what would take too much memory.

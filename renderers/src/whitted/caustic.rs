@@ -5,7 +5,8 @@ use alloc::sync::Arc;
 use glam::DVec3;
 use spectral_core::brdf::Schlick;
 
-use super::{Path, Worker, receiver, schlick_terms};
+use super::schlick::schlick_terms;
+use super::{Path, Worker, receiver};
 use crate::direct::{Part, Receiver};
 use crate::frame::Frame;
 use crate::geometry::Hit;

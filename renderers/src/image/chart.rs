@@ -1,23 +1,23 @@
 //! Line charts in a frame.
 
-use crate::image::{Anchor, Canvas, Rgb8, Scale, ticks};
+use super::{Anchor, Canvas, Rgb8, Scale, ticks};
 
-pub(super) const GROUND: Rgb8 = [255, 255, 255];
-pub(super) const INK: Rgb8 = [30, 30, 30];
+pub(crate) const GROUND: Rgb8 = [255, 255, 255];
+pub(crate) const INK: Rgb8 = [30, 30, 30];
 const GRID: Rgb8 = [222, 222, 222];
-/// The height of capitals.
-pub(super) const TEXT: f32 = 13.0;
 
 /// A chart area, and the ranges of its axes. What is drawn beyond the range of y is cut off.
-pub(super) struct Axes {
+pub(crate) struct Axes {
     /// Left, top, width, height.
-    pub(super) frame: [f32; 4],
-    pub(super) x: [f64; 2],
-    pub(super) y: [f64; 2],
+    pub(crate) frame: [f32; 4],
+    pub(crate) x: [f64; 2],
+    pub(crate) y: [f64; 2],
+    /// The height of capitals, by which distances go.
+    pub(crate) text: f32,
 }
 
 impl Axes {
-    pub(super) fn point(&self, x: f64, y: f64) -> [f32; 2] {
+    pub(crate) fn point(&self, x: f64, y: f64) -> [f32; 2] {
         let [left, top, width, height] = self.frame;
         let across = Scale::Linear.fraction(x, self.x[0], self.x[1]);
         let up = Scale::Linear.fraction(y, self.y[0], self.y[1]);
@@ -25,25 +25,26 @@ impl Axes {
     }
 
     /// Frame, grid, numbers and titles; `marks` are the numbers wanted on x and y.
-    pub(super) fn draw(&self, canvas: &mut Canvas, titles: [&str; 2], marks: [usize; 2]) {
+    pub(crate) fn draw(&self, canvas: &mut Canvas, titles: [&str; 2], marks: [usize; 2]) {
         let [left, top, width, height] = self.frame;
+        let text = self.text;
         for tick in ticks(Scale::Linear, self.x[0], self.x[1], marks[0]) {
             let [x, _] = self.point(tick.value, self.y[0]);
             canvas.lines(&[[x, top], [x, top + height]], 1.0, GRID);
-            canvas.text(&tick.label, [x, top + height + 22.0], TEXT, Anchor::Middle, INK);
+            canvas.text(&tick.label, [x, top + height + 1.7 * text], text, Anchor::Middle, INK);
         }
         for tick in ticks(Scale::Linear, self.y[0], self.y[1], marks[1]) {
             let [_, y] = self.point(self.x[0], tick.value);
             canvas.lines(&[[left, y], [left + width, y]], 1.0, GRID);
-            canvas.text(&tick.label, [left - 8.0, y + 5.0], TEXT, Anchor::End, INK);
+            canvas.text(&tick.label, [left - 0.6 * text, y + 0.38 * text], text, Anchor::End, INK);
         }
-        canvas.lines(&[[left, top], [left, top + height], [left + width, top + height]], 1.4, INK);
-        canvas.text(titles[0], [left + 0.5 * width, top + height + 46.0], TEXT, Anchor::Middle, INK);
-        canvas.text_upwards(titles[1], [left - 64.0, top + 0.5 * height], TEXT, Anchor::Middle, INK);
+        canvas.lines(&[[left, top], [left, top + height], [left + width, top + height]], 0.11 * text, INK);
+        canvas.text(titles[0], [left + 0.5 * width, top + height + 3.5 * text], text, Anchor::Middle, INK);
+        canvas.text_upwards(titles[1], [left - 4.8 * text, top + 0.5 * height], text, Anchor::Middle, INK);
     }
 
     /// A curve through points of increasing x, cut off where it leaves the range of y.
-    pub(super) fn curve(&self, canvas: &mut Canvas, points: &[[f64; 2]], colour: Rgb8) {
+    pub(crate) fn curve(&self, canvas: &mut Canvas, points: &[[f64; 2]], colour: Rgb8) {
         let mut run: Vec<[f32; 2]> = Vec::new();
         for pair in points.windows(2) {
             let Some([first, last]) = self.cut([pair[0], pair[1]]) else { continue };
@@ -72,17 +73,17 @@ impl Axes {
     }
 
     /// A dot with a pale rim, so that it shows on lines.
-    pub(super) fn dot(&self, canvas: &mut Canvas, [x, y]: [f64; 2], colour: Rgb8) {
+    pub(crate) fn dot(&self, canvas: &mut Canvas, [x, y]: [f64; 2], colour: Rgb8) {
         let at = self.point(x, y);
         canvas.lines(&[at, at], 9.0, GROUND);
         canvas.lines(&[at, at], 6.5, colour);
     }
 }
 
-/// One line of a legend.
-pub(super) fn legend(canvas: &mut Canvas, [x, y]: [f32; 2], text: &str, colour: Rgb8) {
-    canvas.lines(&[[x, y], [x + 26.0, y]], 2.6, colour);
-    canvas.text(text, [x + 34.0, y + 5.0], TEXT, Anchor::Start, INK);
+/// One line of a legend, and the height of its capitals.
+pub(crate) fn legend(canvas: &mut Canvas, [x, y]: [f32; 2], (words, text): (&str, f32), colour: Rgb8) {
+    canvas.lines(&[[x, y], [x + 2.0 * text, y]], 0.2 * text, colour);
+    canvas.text(words, [x + 2.6 * text, y + 0.38 * text], text, Anchor::Start, INK);
 }
 
 #[allow(clippy::cast_possible_truncation, reason = "pixel positions")]
