@@ -72,9 +72,73 @@ impl Curves {
         photons
     }
 
+    /// The photons of all paths, each at a wavelength in nm of its own, and how each moves; `None` where that is not the same for all wavelengths,
+    /// as there are more keys than two.
+    pub(crate) fn moving(&self, wavelength_of: impl Fn(u32) -> f64) -> Option<(Vec<Photon>, Vec<Motion>)> {
+        let [stretch] = self.stretches.as_slice() else { return None };
+        let mut moving = (Vec::with_capacity(stretch.photons.len()), Vec::with_capacity(stretch.photons.len()));
+        for tween in &stretch.photons {
+            let t = stretch.between(wavelength_of(tween.path));
+            if let Some(photon) = tween.ends.at(t) {
+                moving.0.push(photon);
+                moving.1.push(tween.motion(t));
+            }
+        }
+        Some(moving)
+    }
+
+    /// Where a wavelength is between the first and the last key, from 0 to 1.
+    pub(crate) fn between(&self, wavelength: f64) -> f64 {
+        match self.stretches.as_slice() {
+            [stretch, ..] => stretch.between(wavelength),
+            [] => 0.0,
+        }
+    }
+
     /// Bytes.
     pub(crate) fn bytes(&self) -> usize {
         self.stretches.iter().map(|s| s.photons.capacity() * size_of::<Tween>()).sum()
+    }
+}
+
+/// How a photon moves with the wavelength: its change from the first to the last key.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Motion {
+    /// In scene units.
+    position: [f32; 3],
+    flux: f32,
+    /// Where between the keys the photon is that moves.
+    at: f32,
+}
+
+impl Motion {
+    /// The farthest that the photon goes, in scene units.
+    pub(crate) fn reach(&self) -> f32 {
+        glam::Vec3A::from_array(self.position).length() * self.at.max(1.0 - self.at)
+    }
+
+    /// Where the photon is, and its flux, at another place between the keys; it stays where it is if that is too far.
+    pub(crate) fn moved(&self, photon: &Photon, to: f32, farthest: f32) -> ([f32; 3], f32) {
+        let t = to - self.at;
+        let way = glam::Vec3A::from_array(self.position) * t;
+        let position = glam::Vec3A::from_array(photon.position);
+        let position = if way.length_squared() <= farthest * farthest { position + way } else { position };
+        (position.to_array(), (photon.flux + self.flux * t).max(0.0))
+    }
+}
+
+impl Tween {
+    #[allow(clippy::cast_possible_truncation, reason = "photons are kept in f32")]
+    fn motion(&self, t: f64) -> Motion {
+        let still = Motion { position: [0.0; 3], flux: 0.0, at: t as f32 };
+        match self.ends {
+            Ends::Both([first, last]) => Motion {
+                position: core::array::from_fn(|i| last.position[i] - first.position[i]),
+                flux: last.flux - first.flux,
+                ..still
+            },
+            Ends::First(_) | Ends::Last(_) => still,
+        }
     }
 }
 
@@ -230,7 +294,7 @@ pub(crate) fn places(first: &[Scattered], last: &[Scattered], mut call: impl FnM
 }
 
 /// What nine of ten numbers don't exceed; 0 if there are none.
-fn of_nine_in_ten(distances: &mut [f32]) -> f32 {
+pub(crate) fn of_nine_in_ten(distances: &mut [f32]) -> f32 {
     let place = distances.len() * 9 / 10;
     if distances.is_empty() { 0.0 } else { *distances.select_nth_unstable_by(place, f32::total_cmp).1 }
 }

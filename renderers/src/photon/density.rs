@@ -103,6 +103,13 @@ pub(crate) struct Place<'a> {
     pub(crate) face: Option<&'a Face>,
 }
 
+impl Place<'_> {
+    /// Whether a photon comes from above the horizon: those that come from below that of a curved surface belong to other parts of it.
+    pub(crate) fn sees(&self, photon: &Photon) -> bool {
+        self.face.is_some() || dot(photon.direction, self.normal) > 0.0
+    }
+}
+
 /// What the photons about a point say of its irradiance; to be used again and again, as it owns memory.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Estimate {
@@ -137,8 +144,7 @@ impl Estimate {
     fn look(&mut self, map: &PhotonMap, place: &Place<'_>, brightness: impl Fn(&Photon) -> f32) {
         for near in &self.near {
             let photon = &map.photons()[near.photon as usize];
-            let is_seen = place.face.is_some() || dot(photon.direction, place.normal) > 0.0;
-            self.brightness.push(if is_seen { brightness(photon) } else { 0.0 });
+            self.brightness.push(if place.sees(photon) { brightness(photon) } else { 0.0 });
         }
     }
 
@@ -226,9 +232,29 @@ impl Density {
         estimate: &mut Estimate,
     ) {
         estimate.clear();
-        let coordinate = place.position.iter().fold(0.0, |most: f32, x| most.max(x.abs()));
-        map.nearest(place.surface, &region(place, radius, coordinate), usize::MAX, &mut estimate.near);
+        map.within(place.surface, &region_of(place, radius), &mut estimate.near);
+        estimate.near.retain(|near| near.distance2 < radius * radius);
         estimate.look(map, place, brightness);
+        self.weigh_within(place, radius, estimate);
+    }
+
+    /// The same from photons that are given, nearer than the radius, with what each is worth.
+    pub(crate) fn estimate_from(
+        &self,
+        place: &Place<'_>,
+        radius: f32,
+        photons: impl Iterator<Item = (Near, f32)>,
+        estimate: &mut Estimate,
+    ) {
+        estimate.clear();
+        for (near, brightness) in photons {
+            estimate.near.push(near);
+            estimate.brightness.push(brightness);
+        }
+        self.weigh_within(place, radius, estimate);
+    }
+
+    fn weigh_within(&self, place: &Place<'_>, radius: f32, estimate: &mut Estimate) {
         let radius = f64::from(radius);
         let mass = place.face.map_or(1.0, |face| {
             let point = face.place(place.position);
@@ -241,12 +267,6 @@ impl Density {
     #[allow(clippy::cast_precision_loss, reason = "a count")]
     pub(crate) fn least_error(&self) -> f64 {
         (self.kernel.roughness() / self.count as f64).sqrt()
-    }
-
-    /// How many photons an estimate must take for such an error.
-    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "saturates")]
-    pub(crate) fn count_for(&self, error: f64) -> u64 {
-        (self.kernel.roughness() / (error * error)).ceil() as u64
     }
 
     /// The distance within which half of the photons have as many others as an estimate takes at most, in scene units: by some of them.
@@ -282,6 +302,12 @@ impl Density {
         let radius = radius2.sqrt() as f32;
         estimate.radius = radius;
     }
+}
+
+/// Where photons within a distance of a place count.
+pub(super) fn region_of(place: &Place<'_>, radius: f32) -> Region {
+    let coordinate = place.position.iter().fold(0.0, |most: f32, x| most.max(x.abs()));
+    region(place, radius, coordinate)
 }
 
 /// Where the photons are that count for a place: near the plane of a face, or near the tangent plane in proportion to their distance.

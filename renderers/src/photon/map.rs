@@ -142,13 +142,22 @@ impl PhotonMap {
     /// Fills `found` with the `count` nearest photons of a surface within a region, from the nearest to the farthest; of those at the same
     /// distance the first in the map's order come first and are taken first. Nothing is found about a point that is not a number.
     pub(crate) fn nearest(&self, surface: u32, region: &Region, count: usize, found: &mut Vec<Near>) {
+        self.search(surface, region, count, found);
+        Search::shorten(found, count);
+        found.sort_unstable_by_key(Near::key);
+    }
+
+    /// The same for all photons within the region, in an order that depends on the map and the region alone.
+    pub(crate) fn within(&self, surface: u32, region: &Region, found: &mut Vec<Near>) {
+        self.search(surface, region, usize::MAX, found);
+    }
+
+    fn search(&self, surface: u32, region: &Region, count: usize, found: &mut Vec<Near>) {
         found.clear();
         let Ok(tree) = self.trees.binary_search_by_key(&surface, |tree| tree.surface) else { return };
         let limit = (region.radius * region.radius).clamp(0.0, f32::MAX);
         if count > 0 && limit >= 0.0 {
             Search { map: self, region, count, limit, found }.run(&self.trees[tree]);
-            Search::shorten(found, count);
-            found.sort_unstable_by_key(Near::key);
         }
     }
 }
@@ -263,9 +272,31 @@ fn items(photons: &[Photon]) -> Vec<Item> {
     let kept = photons.iter().zip(0..u32::MAX).filter(|(photon, _)| is_kept(photon));
     let mut items: Vec<_> = kept.map(|(photon, origin)| Item { position: photon.position, origin }).collect();
     if !photons.is_sorted_by_key(|photon| photon.surface) {
-        items.sort_by_key(|item| photons[item.origin as usize].surface);
+        items = by_surface(photons, items);
     }
     items
+}
+
+/// Items in the order of surfaces, each surface's in the order given: numbers of surfaces are small, so counting is faster than comparing.
+fn by_surface(photons: &[Photon], mut items: Vec<Item>) -> Vec<Item> {
+    let surface = |item: &Item| photons[item.origin as usize].surface as usize;
+    let most = items.iter().map(surface).max().unwrap_or(0);
+    if most > items.len() {
+        items.sort_by_key(surface);
+        return items;
+    }
+    let mut next = vec![0_usize; most + 2];
+    items.iter().for_each(|item| next[surface(item) + 1] += 1);
+    for number in 1..next.len() {
+        next[number] += next[number - 1];
+    }
+    let mut sorted = items.clone();
+    for item in items {
+        let place = &mut next[surface(&item)];
+        sorted[*place] = item;
+        *place += 1;
+    }
+    sorted
 }
 
 /// The trees for photons that are in the order of surfaces.
@@ -427,6 +458,11 @@ mod tests {
                 };
                 for region in [slab, Region::ball(place.position, 0.3), Region::ball(place.position, f32::INFINITY)] {
                     for (surface, many) in [(5, 50), (2, 1), (900, 7), (5, usize::MAX), (4, 3), (5, 0)] {
+                        if many == usize::MAX {
+                            map.within(surface, &region, &mut found);
+                            found.sort_unstable_by_key(Near::key);
+                            assert_eq!(found, naive(&map, surface, &region, many));
+                        }
                         map.nearest(surface, &region, many, &mut found);
                         assert_eq!(
                             found,

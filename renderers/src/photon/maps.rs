@@ -5,7 +5,9 @@ use core::sync::atomic::{AtomicBool, Ordering};
 use std::collections::HashMap;
 use std::sync::{Mutex, OnceLock};
 
-use super::curves::{self, Curves};
+use super::curves::{self, Curves, Motion};
+use super::density::region_of;
+use super::map::Near;
 use super::reached::Reached;
 use super::waves::{Bundle, Waves};
 use super::{
@@ -73,17 +75,34 @@ struct Thrown {
     spectra: Arc<Spectra>,
     /// What a flux is worth, for each product.
     brightness: Vec<f32>,
+    /// How each photon of the map moves with the wavelength, if that is known.
+    motions: Vec<Motion>,
 }
 
 impl Thrown {
     fn new(photons: Vec<Photon>, spectra: Arc<Spectra>, emission: &Emission<'_>) -> Self {
         let brightness = emission.brightness(&spectra);
-        Self { map: PhotonMap::new(photons), spectra, brightness }
+        Self { map: PhotonMap::new(photons), spectra, brightness, motions: Vec::new() }
+    }
+
+    /// The same with how the photons move, in the order in which they were given.
+    fn with_motions(mut self, motions: &[Motion]) -> Self {
+        self.motions = self.map.origins().iter().filter_map(|origin| motions.get(*origin as usize).copied()).collect();
+        self
     }
 
     /// The luminous flux of a photon.
     fn worth(&self, photon: &Photon) -> f32 {
-        photon.flux * self.brightness.get(photon.spectrum as usize).copied().unwrap_or(1.0)
+        photon.flux * self.worth_of(photon.spectrum)
+    }
+
+    /// What a flux with the spectrum of this number is worth.
+    fn worth_of(&self, spectrum: u32) -> f32 {
+        self.brightness.get(spectrum as usize).copied().unwrap_or(1.0)
+    }
+
+    fn bytes(&self) -> usize {
+        self.map.bytes() + size_of_val(self.motions.as_slice())
     }
 }
 
@@ -120,6 +139,12 @@ const PROBED: usize = 512;
 
 /// How much fluxes may change, relative to themselves, within a band whose parts don't have photons of their own.
 const CHANGE: f64 = 0.02;
+
+/// Photons stay where they are if they move less than this share of an estimate's radius. Others are looked for somewhat farther away than
+/// those at a place move; where these move by more than the radius, there are maps of bands.
+const STILL: f32 = 0.1;
+const MARGIN: f32 = 1.1;
+const FARTHEST: f32 = 1.0;
 
 /// How far, relative to the radius of an estimate, photons may be from where they are thought to be.
 const NEAR: f32 = 0.1;
@@ -194,15 +219,15 @@ impl<'s> Maps<'s> {
     }
 
     /// The band itself, or the half, quarter, … of all waves that it is in, if it is so narrow that photons of one map will do for these: as
-    /// each photon has a wavelength of its own, they may move by half of a radius. Dispersion is taken to fall like Cauchy's, and fluxes change
-    /// little.
-    fn widened(&self, band: Band, radius: f32) -> Band {
+    /// each photon has a wavelength of its own, they may move by half of a radius, or by three quarters of a pixel, which is twice `least`.
+    /// Dispersion is taken to fall like Cauchy's, and fluxes change little.
+    fn widened(&self, band: Band, radius: f32, least: f32) -> Band {
         let whole = LAST_WAVELENGTH - FIRST_WAVELENGTH;
         let [from, to] = band.limits;
         let wavelength = f64::midpoint(from, to);
         let shift = self.shift * (MOST_DISPERSIVE[0] / wavelength).powi(3);
         let by_flux = CHANGE * f64::from(PROBES) / self.steepest;
-        let narrowest = (0.5 * f64::from(radius) / shift).min(by_flux).clamp(NARROWEST, whole);
+        let narrowest = (f64::from((0.5 * radius).max(1.5 * least)) / shift).min(by_flux).clamp(NARROWEST, whole);
         if to == from || to - from >= narrowest {
             return band;
         }
@@ -243,6 +268,9 @@ impl<'s> Maps<'s> {
         let wavelength_of =
             |path: u32| if is_whole { self.waves.spread(band, path) } else { self.waves.of_path(band, path) };
         if let Some(Interpolated { curves, spectra, .. }) = &self.curves {
+            if let Some((photons, motions)) = curves.moving(wavelength_of).filter(|_| is_whole) {
+                return Thrown::new(photons, Arc::clone(spectra), self.emission).with_motions(&motions);
+            }
             let photons = curves.photons(band.limits, wavelength_of);
             return Thrown::new(photons, Arc::clone(spectra), self.emission);
         }
@@ -271,8 +299,88 @@ impl<'s> Maps<'s> {
         density.estimate(&thrown.map, place, |photon| thrown.worth(photon), scratch);
         let bias = if scratch.value > 0.0 { scratch.bias / scratch.value } else { 0.0 };
         let shrink = self.shrink;
-        let reach = Reach { radius: scratch.radius * shrink, bias: bias * f64::from(shrink * shrink) };
+        let reach = Reach {
+            radius: scratch.radius * shrink,
+            bias: bias * f64::from(shrink * shrink),
+            farthest: None,
+            is_still: false,
+        };
         (reach.radius > 0.0).then_some(reach)
+    }
+
+    /// Finds the photons that reach a place at any wavelength, if that can be told: they move like nine of ten of those found there. Where
+    /// these stay where they are, none others come.
+    fn candidates(&self, thrown: &Thrown, place: &Place<'_>, reach: Reach, found: &mut Arrived) -> Reach {
+        let Arrived { scratch, candidates, near, distances, .. } = found;
+        candidates.clear();
+        if thrown.motions.is_empty() {
+            return reach;
+        }
+        let motion = |(number, _)| thrown.motions.get(number as usize).map_or(0.0, Motion::reach);
+        distances.clear();
+        distances.extend(scratch.photons().map(motion));
+        let farthest = curves::of_nine_in_ten(distances);
+        let is_still = farthest <= STILL * reach.radius;
+        if is_still {
+            candidates.extend(scratch.photons().map(|(number, _)| number));
+        } else if farthest <= FARTHEST * reach.radius {
+            let region = region_of(place, reach.radius + MARGIN * farthest);
+            thrown.map.within(place.surface, &region, near);
+            candidates.extend(near.iter().map(|near| near.photon));
+        } else {
+            return reach;
+        }
+        Reach { farthest: Some(MARGIN * farthest), is_still, ..reach }
+    }
+
+    /// Finds the light of a band that reaches a hit from the photons that may.
+    fn find_moved(
+        &self,
+        (hit, farthest): (&Hit, f32),
+        (band, reach): (Band, Reach),
+        found: &mut Arrived,
+    ) -> Arc<Spectra> {
+        let whole = self.whole.as_ref().and_then(|slot| slot.thrown.get());
+        let (Some(Interpolated { curves, spectra, .. }), Some(thrown)) = (&self.curves, whole) else {
+            return Arc::default();
+        };
+        let place = self.place(hit);
+        let position = glam::Vec3A::from_array(place.position);
+        // They move by less than a radius: one wavelength does for the whole band.
+        #[allow(clippy::cast_possible_truncation, reason = "photons are kept in f32")]
+        let to = curves.between(band.wavelength) as f32;
+        let Arrived { scratch, candidates, moved, list, .. } = found;
+        moved.clear();
+        for number in candidates.iter().copied() {
+            let (Some(photon), Some(motion)) =
+                (thrown.map.photons().get(number as usize), thrown.motions.get(number as usize))
+            else {
+                continue;
+            };
+            let (at, flux) = motion.moved(photon, to, farthest);
+            let distance2 = position.distance_squared(glam::Vec3A::from_array(at));
+            if distance2 < reach.radius * reach.radius && place.sees(photon) {
+                moved.push((Near { distance2, photon: number }, flux));
+            }
+        }
+        let worth = |(near, flux): &(Near, f32)| {
+            let spectrum = thrown.map.photons().get(near.photon as usize).map_or(0, |photon| photon.spectrum);
+            (*near, flux * thrown.worth_of(spectrum))
+        };
+        self.density.estimate_from(&place, reach.radius, moved.iter().map(worth), scratch);
+        scratch.bias = reach.bias * scratch.value;
+        let error = scratch.error_of_a_photon();
+        for ((number, weight), (_, flux)) in scratch.photons().zip(moved.iter()) {
+            let Some(photon) = thrown.map.photons().get(number as usize) else { continue };
+            let irradiance = f64::from(weight) * f64::from(*flux);
+            list.push(Arriving {
+                direction: glam::Vec3A::from_array(photon.direction).as_dvec3(),
+                irradiance,
+                error: error * irradiance,
+                spectrum: photon.spectrum,
+            });
+        }
+        Arc::clone(spectra)
     }
 
     /// Finds the light that reaches a hit, within a reach or by one that is chosen, with the least radius.
@@ -281,7 +389,7 @@ impl<'s> Maps<'s> {
         let (place, scratch, worth) = (self.place(hit), &mut found.scratch, |photon: &Photon| thrown.worth(photon));
         match reach {
             Err(least) => {
-                let Some(Reach { radius, bias }) = self.reach_in(thrown, &place, least, scratch) else {
+                let Some(Reach { radius, bias, .. }) = self.reach_in(thrown, &place, least, scratch) else {
                     return Arc::clone(spectra);
                 };
                 if self.shrink < 1.0 {
@@ -289,7 +397,7 @@ impl<'s> Maps<'s> {
                     scratch.bias = bias * scratch.value;
                 }
             }
-            Ok(Reach { radius, bias }) => {
+            Ok(Reach { radius, bias, .. }) => {
                 self.density.estimate_within(map, &place, radius, worth, scratch);
                 scratch.bias = bias * scratch.value;
             }
@@ -394,17 +502,25 @@ fn sorted(mut photons: Vec<Scattered>) -> Vec<Scattered> {
 impl Caustics for Maps<'_> {
     fn arriving(&self, hit: &Hit, least: f32, band: Option<(Band, Reach)>, found: &mut Arrived) -> Arc<Spectra> {
         let Some((band, reach)) = band else { return self.find(&self.even, hit, Err(least), found) };
-        let slot = self.bands.get(self.widened(band, reach.radius));
+        if let Some(farthest) = reach.farthest {
+            return self.find_moved((hit, farthest), (band, reach), found);
+        }
+        let slot = self.bands.get(self.widened(band, reach.radius, least));
         self.find(slot.thrown(|band| self.throw(band)), hit, Ok(reach), found)
     }
 
     /// The radius is that for all waves, so that estimates for bands of them differ by nothing else. Where there are too few for that, as at
     /// the ends of a spectrum, it is the largest.
-    fn reach(&self, hit: &Hit, least: f32, scratch: &mut Estimate) -> Option<Reach> {
+    fn reach(&self, hit: &Hit, least: f32, found: &mut Arrived) -> Option<Reach> {
         let thrown = self.whole.as_ref()?.thrown.get()?;
-        let largest = || Reach { radius: self.density.radius * self.shrink, bias: 0.0 };
-        let reach = self.reach_in(thrown, &self.place(hit), least, scratch);
-        reach.or_else(|| self.reached.is_near(hit.position).then(largest))
+        let place = self.place(hit);
+        if let Some(reach) = self.reach_in(thrown, &place, least, &mut found.scratch) {
+            return Some(self.candidates(thrown, &place, reach, found));
+        }
+        found.candidates.clear();
+        let radius = self.density.radius * self.shrink;
+        let largest = || Reach { radius, bias: 0.0, farthest: None, is_still: false };
+        self.reached.is_near(hit.position).then(largest)
     }
 }
 
@@ -436,8 +552,8 @@ impl Bands {
     fn used(&self) -> Vec<BandReport> {
         let Ok(slots) = self.slots.lock() else { return Vec::new() };
         let made = |slot: &Arc<Slot>| {
-            let map = &slot.thrown.get()?.map;
-            Some(BandReport { limits: slot.band.limits, photons: map.len(), bytes: map.bytes() })
+            let thrown = slot.thrown.get()?;
+            Some(BandReport { limits: slot.band.limits, photons: thrown.map.len(), bytes: thrown.bytes() })
         };
         let mut used: Vec<_> = slots.values().filter_map(made).collect();
         let width = |band: &BandReport| band.limits[1] - band.limits[0];

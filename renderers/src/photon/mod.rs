@@ -36,7 +36,7 @@ pub(crate) use extent::Extents;
 pub(crate) use gather::{GatherSettings, Gatherer};
 pub(crate) use global::{Balance, Global, GlobalSettings};
 pub use kernel::Kernel;
-pub(crate) use map::PhotonMap;
+pub(crate) use map::{Near, PhotonMap};
 pub(crate) use maps::Maps;
 pub use maps::{BandReport, Rethrow};
 pub(crate) use shades::Shades;

@@ -181,7 +181,7 @@ impl<'s> Thrower<'s> {
     fn find_count(&mut self, error: f64, watch: &dyn Watch) -> Result<(), RenderError> {
         let least = self.density.least_error();
         if !(error > least) {
-            return Err(unreachable_error(error, least, &self.density));
+            return Err(unreachable_error(error, least, self.density.count, "however many there are"));
         }
         let mut before = f64::INFINITY;
         loop {
@@ -193,7 +193,7 @@ impl<'s> Thrower<'s> {
             }
             // Where estimates have all the photons they may take, more of them help no more.
             if found < NEAR_LEAST * least && found > STANDSTILL * before {
-                return Err(unreachable_error(error, found, &self.density));
+                return Err(unreachable_error(error, found, self.density.count, "and more photons hardly change that"));
             }
             before = found;
             self.count = more(self.count, found / error);
@@ -244,16 +244,24 @@ fn more(count: u64, times: f64) -> u64 {
 const STANDSTILL: f64 = 0.98;
 const NEAR_LEAST: f64 = 1.5;
 
-/// Says why an error can't be met, and what to do.
-fn unreachable_error(error: f64, least: f64, density: &Density) -> RenderError {
-    let (percent, count) = (|share: f64| 100.0 * share, density.count);
-    // What is asked for should not be the least possible.
-    let enough = density.count_for(0.8 * error);
+/// What must be aimed at for an error, relative to it: estimates with an adaptive radius are not the best everywhere.
+const AIM: f64 = 0.6;
+
+/// Says why an error can't be met by estimates from so many photons, which keep another one, and what to do.
+#[allow(
+    clippy::cast_precision_loss,
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "about as many, in words"
+)]
+fn unreachable_error(error: f64, kept: f64, count: usize, why: &str) -> RenderError {
+    // Errors go down with the root of the number.
+    let enough = (count as f64 * (kept / (AIM * error)).powi(2)).ceil() as u64;
     RenderError::new(format!(
-        "an error of {:.3} % (--photon-error) can't be met: estimates from {count} photons keep {:.1} %, however many there are; \
-         estimates from {enough} could (--nearest), or allow a larger error",
-        percent(error),
-        percent(least),
+        "an error of {:.3} % (--photon-error) can't be met: estimates from {count} photons keep {:.1} %, {why}; \
+         let them take about {enough} (--nearest), or allow a larger error",
+        100.0 * error,
+        100.0 * kept,
     ))
 }
 

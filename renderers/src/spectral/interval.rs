@@ -7,7 +7,7 @@ use spectral_core::adaptive::{Mode, Piece, Status, Target, evaluate};
 use spectral_core::bound::delta_e_bound;
 use spectral_core::colour::rgb;
 use spectral_core::expression::{Op, Order, Program, Sources};
-use spectral_core::interval::{BuildError, Domain, Interval, Node, Pyramid, Weight, node_count};
+use spectral_core::interval::{BuildError, Domain, Interval, Node, Pyramid, Weight, node_count, nodes};
 use spectral_core::spectrum::{PiecewiseLinear, Spectrum};
 use spectral_core::subdivision::{Stage, Subdivision};
 
@@ -49,6 +49,8 @@ pub struct SharedIntervals<'a> {
     spectra: Vec<PiecewiseLinear<'a, f64>>,
     settings: IntervalSettings,
     white: [f64; 3],
+    /// For each interval.
+    bands: Vec<Band>,
 }
 
 /// The memory of [`SharedIntervals`].
@@ -79,7 +81,36 @@ impl<'a> SharedIntervals<'a> {
             pyramids.push(Pyramid::build(&spectrum, &domain, buffer).map_err(|e| e.to_string())?);
             spectra.push(spectrum);
         }
-        Ok(Self { domain, pyramids, spectra, settings, white: rgb::WHITE.map(|w| w * Y_INTEGRAL) })
+        let bands = nodes(DEPTH).map(|node| band(&domain, node)).collect();
+        Ok(Self { domain, pyramids, spectra, settings, white: rgb::WHITE.map(|w| w * Y_INTEGRAL), bands })
+    }
+
+    /// The waves of an interval.
+    fn band(&self, node: Node) -> Band {
+        self.bands.get(node.position()).copied().unwrap_or_else(|| band(&self.domain, node))
+    }
+
+    /// The measure 1/λ² at the middles of an interval's first half, of itself and of its last half.
+    fn measures(&self, node: Node) -> [f64; 3] {
+        let [first, last] = halves(node);
+        [first, node, last].map(|node| measure(self.band(node).wavelength))
+    }
+
+    /// What light at the middles of an interval's first half, of itself and of its last half is multiplied by for that at a wavelength, by the
+    /// parabola in 1/λ² through them.
+    fn parabola(&self, node: Node, wavelength: f64) -> [f64; 3] {
+        let ([a, b, c], x) = (self.measures(node), measure(wavelength));
+        [
+            (x - b) * (x - c) / ((a - b) * (a - c)),
+            (x - a) * (x - c) / ((b - a) * (b - c)),
+            (x - a) * (x - b) / ((c - a) * (c - b)),
+        ]
+    }
+
+    /// The same for how far the one in the middle is from the line through the other two.
+    fn bend(&self, node: Node) -> [f64; 3] {
+        let [a, b, c] = self.measures(node);
+        [(b - c) / (c - a), 1.0, (a - b) / (c - a)]
     }
 
     fn order(&self) -> Order {
@@ -226,7 +257,7 @@ impl<'a> Intervals<'a> {
         let Ok(program) = Program::new(&self.ops) else { return UNKNOWN };
         self.stack.resize(program.stack_size(), Interval::zero());
         let target = Target { mode: shared.settings.mode, threshold: shared.settings.threshold, white: shared.white };
-        let mut sources = Pixel { shared, radiance, tracer, products: &mut self.products, traced: HashMap::new() };
+        let mut sources = Pixel::new((shared, &mut self.products), radiance, tracer);
         let result = evaluate(&program, &shared.domain, &target, &mut sources, &mut self.stack, &mut self.pieces);
         let Ok(found) = result else {
             return UNKNOWN;
@@ -274,69 +305,170 @@ impl Sources<f64> for Single<'_, '_> {
     }
 }
 
+/// The part of the threshold that all paths of a pixel together may take before they are traced for narrower intervals.
+const PATH_SHARE: f64 = 0.5;
+
 /// A pixel's radiance as the sources of a program: first its products, then its deferred light.
+///
+/// Paths change less from wavelength to wavelength than spectra do, and steadily. So deferred light is traced for the halves of the domain and
+/// for its middle; where a line in 1/λ² through the halves' light meets that in the middle, all intervals have theirs by the parabola through
+/// the three. Where it doesn't, the same is tried with each half, and so on. How far light may be off is estimated for each interval, and
+/// enters the bound.
 struct Pixel<'p, 'a> {
     shared: &'a SharedIntervals<'a>,
     radiance: &'p Radiance,
     tracer: &'p mut dyn Tracer,
     products: &'p mut Products,
-    traced: HashMap<(Deferred, Node), Traced>,
+    /// Light that was traced for the middle wavelengths of intervals.
+    traced: HashMap<(Deferred, Node), Radiance>,
+    /// Whether light for the parts of an interval can be interpolated between that of itself and its halves.
+    is_steady: HashMap<(Deferred, Node), bool>,
+    /// How far the interval's tristimulus values may be off by the path that was traced.
+    path_radii: HashMap<(Deferred, Node), [f64; 3]>,
+    /// About the pixel's tristimulus values, once they have been asked for.
+    total: Option<[f64; 3]>,
 }
 
-/// Deferred light traced for one interval.
-struct Traced {
-    radiance: Radiance,
-    /// How far its path may put the interval's tristimulus values off, estimated; `None` while it has not been asked for.
-    path_radius: Option<[f64; 3]>,
+/// Deferred light on an interval, and what its tristimulus values may be off by.
+struct Served {
+    light: Radiance,
+    estimate: [f64; 3],
 }
 
-impl Pixel<'_, '_> {
-    /// Traces deferred light for an interval, once.
-    fn trace(&mut self, deferred: Deferred, node: Node) {
-        if !self.traced.contains_key(&(deferred, node)) {
-            let radiance = self.tracer.trace(deferred, band(&self.shared.domain, node));
-            self.traced.insert((deferred, node), Traced { radiance, path_radius: None });
-        }
+impl<'p, 'a> Pixel<'p, 'a> {
+    fn new(
+        (shared, products): (&'a SharedIntervals<'a>, &'p mut Products),
+        radiance: &'p Radiance,
+        tracer: &'p mut dyn Tracer,
+    ) -> Self {
+        let (traced, is_steady, path_radii) = (HashMap::new(), HashMap::new(), HashMap::new());
+        Self { shared, radiance, tracer, products, traced, is_steady, path_radii, total: None }
     }
 
-    /// Light that was traced for one interval, on that or another interval.
-    fn traced_on(&mut self, deferred: Deferred, traced_for: Node, node: Node) -> Interval<f64> {
-        self.trace(deferred, traced_for);
-        let weight = self.shared.domain.weight(node);
-        let monomials = self.tracer.monomials();
-        let mut sum = Interval::zero();
-        if let Some(traced) = self.traced.get(&(deferred, traced_for)) {
-            for (monomial, scale) in traced.radiance.terms() {
-                let product = self.products.get(self.shared, monomials, *monomial, node);
-                sum = match self.shared.order() {
-                    Order::First => sum.sum_first_order(&product.scale_first_order(*scale)),
-                    Order::Certified => sum.sum(&product.scale(*scale, &weight), &weight),
-                };
+    /// Deferred light traced for the middle wavelength of an interval, once.
+    fn trace(&mut self, deferred: Deferred, node: Node) -> &Radiance {
+        let (tracer, shared) = (&mut self.tracer, self.shared);
+        self.traced.entry((deferred, node)).or_insert_with(|| tracer.trace(deferred, shared.band(node)))
+    }
+
+    /// A sum of traced light.
+    fn combined(&mut self, deferred: Deferred, parts: &[(Node, f64)]) -> Radiance {
+        let mut sum = Radiance::default();
+        for (node, share) in parts {
+            for (monomial, weight) in self.trace(deferred, *node).terms() {
+                sum.add(*monomial, share * weight);
             }
         }
         sum
     }
 
-    fn colour(&mut self, deferred: Deferred, traced_for: Node, node: Node) -> [f64; 3] {
-        let weight = self.shared.domain.weight(node);
-        self.traced_on(deferred, traced_for, node).tristimulus(&weight)
+    /// The light of the whole domain: that of its halves, by their parts of the eye's sensitivity.
+    fn whole(&mut self, deferred: Deferred) -> Radiance {
+        let parts = halves(Node::ROOT).map(|half| (half, self.share(half)));
+        self.combined(deferred, &parts)
     }
 
-    /// How far the path traced for an interval may be off for the waves in it: the change that the last halving made, or
-    /// for the whole domain the change that the next one would make.
-    fn path_estimate(&mut self, deferred: Deferred, node: Node) -> [f64; 3] {
-        let own = self.colour(deferred, node, node);
-        let other = if let Some(parent) = node.parent() {
-            self.colour(deferred, parent, node)
-        } else {
-            let mut sum = [0.0; 3];
-            for half in node.children().into_iter().flatten() {
-                let part = self.colour(deferred, half, half);
-                sum = core::array::from_fn(|a| sum[a] + part[a]);
+    /// The part of the eye's sensitivity that an interval has.
+    fn share(&self, node: Node) -> f64 {
+        let sensitivity = |node: Node| self.shared.domain.weight(node).integral.iter().sum::<f64>();
+        sensitivity(node) / sensitivity(Node::ROOT)
+    }
+
+    /// About the pixel's tristimulus values.
+    fn total(&mut self) -> [f64; 3] {
+        if let Some(total) = self.total {
+            return total;
+        }
+        let radiance = self.radiance;
+        let mut total = self.colour(radiance, Node::ROOT);
+        for (deferred, _, scale) in radiance.deferred() {
+            let whole = self.whole(*deferred);
+            let part = self.colour(&whole, Node::ROOT);
+            total = core::array::from_fn(|a| total[a] + scale * part[a]);
+        }
+        self.total = Some(total);
+        total
+    }
+
+    /// Deferred light, which counts for so much, for an interval: from the widest interval around it that it changes steadily in.
+    fn serve(&mut self, deferred: Deferred, node: Node, scale: f64) -> Served {
+        if node == Node::ROOT {
+            let light = self.whole(deferred);
+            let estimate = halves(node).map(|half| self.difference(deferred, &light, half));
+            return Served { light, estimate: core::array::from_fn(|a| estimate[0][a] + estimate[1][a]) };
+        }
+        let mut ancestors: Vec<Node> = core::iter::successors(node.parent(), |node| node.parent()).collect();
+        while let Some(wider) = ancestors.pop() {
+            if self.is_steady(deferred, wider, scale) {
+                return self.interpolated(deferred, wider, node);
             }
-            sum
+        }
+        let before = match node.parent() {
+            Some(parent) if parent != Node::ROOT => self.trace(deferred, parent).clone(),
+            _ => self.whole(deferred),
         };
+        let estimate = self.difference(deferred, &before, node);
+        Served { light: self.trace(deferred, node).clone(), estimate }
+    }
+
+    /// How far the light traced for an interval is from other light there.
+    fn difference(&mut self, deferred: Deferred, other: &Radiance, node: Node) -> [f64; 3] {
+        let own = self.trace(deferred, node).clone();
+        let [own, other] = [&own, other].map(|light| self.colour(light, node));
         core::array::from_fn(|a| (own[a] - other[a]).abs())
+    }
+
+    /// The light of an interval by the parabola of a wider one. It may be off by as much as the parabola is bent, and by half of what it changes
+    /// within the interval.
+    fn interpolated(&mut self, deferred: Deferred, wider: Node, node: Node) -> Served {
+        let at = |wavelength: f64| self.shared.parabola(wider, wavelength);
+        let own = at(self.shared.band(node).wavelength);
+        let [first, last] = halves(node).map(|half| at(self.shared.band(half).wavelength));
+        let change: [f64; 3] = core::array::from_fn(|k| 0.5 * (last[k] - first[k]));
+        let bend = self.shared.bend(wider);
+        let [first, last] = halves(wider);
+        let [mut light, change, bend] =
+            [own, change, bend].map(|[a, b, c]| self.combined(deferred, &[(first, a), (wider, b), (last, c)]));
+        light.keep_positive();
+        let [change, bend] = [change, bend].map(|light| self.colour(&light, node));
+        Served { light, estimate: core::array::from_fn(|a| change[a].abs() + bend[a].abs()) }
+    }
+
+    /// Whether light that counts for so much is on a line, near enough, at the middles of an interval and its halves.
+    fn is_steady(&mut self, deferred: Deferred, node: Node, scale: f64) -> bool {
+        if let Some(known) = self.is_steady.get(&(deferred, node)) {
+            return *known;
+        }
+        let [first, last] = halves(node);
+        let [a, b, c] = self.shared.bend(node);
+        let bend = self.combined(deferred, &[(first, a), (node, b), (last, c)]);
+        let estimate = self.colour(&bend, node).map(|e| (e * scale).abs());
+        #[allow(clippy::cast_precision_loss, reason = "a pixel has fewer")]
+        let paths = self.radiance.deferred().len() as f64;
+        let allowed = PATH_SHARE * self.shared.settings.threshold * self.share(node) / paths;
+        let is_steady = delta_e_bound(self.total(), estimate, self.shared.white).delta_e <= allowed;
+        self.is_steady.insert((deferred, node), is_steady);
+        is_steady
+    }
+
+    /// Products of spectra on an interval.
+    fn sum(&mut self, light: &Radiance, node: Node) -> Interval<f64> {
+        let weight = self.shared.domain.weight(node);
+        let monomials = self.tracer.monomials();
+        let mut sum = Interval::zero();
+        for (monomial, scale) in light.terms() {
+            let product = self.products.get(self.shared, monomials, *monomial, node);
+            sum = match self.shared.order() {
+                Order::First => sum.sum_first_order(&product.scale_first_order(*scale)),
+                Order::Certified => sum.sum(&product.scale(*scale, &weight), &weight),
+            };
+        }
+        sum
+    }
+
+    fn colour(&mut self, light: &Radiance, node: Node) -> [f64; 3] {
+        let weight = self.shared.domain.weight(node);
+        self.sum(light, node).tristimulus(&weight)
     }
 
     /// The total of the path estimates over a subdivision; `None` when no light is deferred.
@@ -347,7 +479,7 @@ impl Pixel<'_, '_> {
         let mut total = [0.0; 3];
         for node in nodes {
             for (deferred, _, weight) in self.radiance.deferred() {
-                if let Some(radius) = self.traced.get(&(*deferred, node)).and_then(|t| t.path_radius) {
+                if let Some(radius) = self.path_radii.get(&(*deferred, node)) {
                     total = core::array::from_fn(|a| total[a] + weight * radius[a]);
                 }
             }
@@ -366,12 +498,10 @@ impl Sources<f64> for Pixel<'_, '_> {
         if let Some((monomial, _)) = self.radiance.terms().get(place) {
             return Some(self.products.get(self.shared, self.tracer.monomials(), *monomial, node));
         }
-        let (deferred, monomial, _) = *self.radiance.deferred().get(place - self.radiance.terms().len())?;
-        let mut light = self.traced_on(deferred, node, node);
-        let estimate = self.path_estimate(deferred, node);
-        if let Some(traced) = self.traced.get_mut(&(deferred, node)) {
-            traced.path_radius = Some(estimate);
-        }
+        let (deferred, monomial, scale) = *self.radiance.deferred().get(place - self.radiance.terms().len())?;
+        let Served { light, estimate } = self.serve(deferred, node, scale);
+        let mut light = self.sum(&light, node);
+        self.path_radii.insert((deferred, node), estimate);
         match self.shared.order() {
             // Without a radius of its own, the first order counts the path's error with the spectrum's.
             Order::First => {
@@ -390,6 +520,11 @@ impl Sources<f64> for Pixel<'_, '_> {
     }
 }
 
+/// The halves of an interval; the deepest is its own.
+fn halves(node: Node) -> [Node; 2] {
+    node.children().unwrap_or([node; 2])
+}
+
 /// The waves of an interval, for which stands its centroid, weighted by x̄ + ȳ + z̄ where these are not 0.
 fn band(domain: &Domain<'_, f64>, node: Node) -> Band {
     const STEPS: u32 = 16;
@@ -403,4 +538,9 @@ fn band(domain: &Domain<'_, f64>, node: Node) -> Band {
     }
     let wavelength = if total > 0.0 { moment / total } else { (from + to) / 2.0 };
     Band { wavelength, limits: [from, to] }
+}
+
+/// What paths change with, about in proportion: Cauchy's index does.
+fn measure(wavelength: f64) -> f64 {
+    1.0 / (wavelength * wavelength)
 }

@@ -6,12 +6,12 @@ use glam::DVec3;
 use spectral_core::brdf::Schlick;
 
 use super::schlick::schlick_terms;
-use super::{Path, Worker, receiver};
+use super::{Later, Path, Worker, receiver};
 use crate::direct::{Part, Receiver};
 use crate::frame::Frame;
 use crate::geometry::Hit;
 use crate::material::{Glossy, Lobe, Material};
-use crate::photon::{Estimate, Spectra};
+use crate::photon::{Estimate, Near, Spectra};
 use crate::spectral::{Band, Deferred, Factor, Monomial, Radiance};
 
 /// Light that reaches surfaces by way of mirrors and glass: paths L S⁺ D.
@@ -22,7 +22,8 @@ pub(crate) trait Caustics: Sync {
     fn arriving(&self, hit: &Hit, least: f32, band: Option<(Band, Reach)>, found: &mut Arrived) -> Arc<Spectra>;
 
     /// From how far light counts for a place that reaches it by ways that depend on the wavelength; `None` if none does.
-    fn reach(&self, hit: &Hit, least: f32, scratch: &mut Estimate) -> Option<Reach>;
+    /// What may be used again for bands is left in `found`.
+    fn reach(&self, hit: &Hit, least: f32, found: &mut Arrived) -> Option<Reach>;
 }
 
 /// From how far light counts for a place.
@@ -32,6 +33,10 @@ pub(crate) struct Reach {
     pub(crate) radius: f32,
     /// The bias that comes of it, relative to the light.
     pub(crate) bias: f64,
+    /// How far photons move at most from where they were found, in scene units, if all that may count are known.
+    pub(crate) farthest: Option<f32>,
+    /// Whether none moves so far that it matters.
+    pub(crate) is_still: bool,
 }
 
 /// What was found at a place, with memory to find it.
@@ -39,6 +44,12 @@ pub(crate) struct Reach {
 pub(crate) struct Arrived {
     pub(crate) list: Vec<Arriving>,
     pub(crate) scratch: Estimate,
+    /// Photons that may count at some wavelength, by their numbers.
+    pub(crate) candidates: Vec<u32>,
+    pub(crate) near: Vec<Near>,
+    pub(crate) distances: Vec<f32>,
+    /// Where candidates are, and their fluxes.
+    pub(crate) moved: Vec<(Near, f32)>,
 }
 
 /// Light that reaches a surface from one direction.
@@ -55,13 +66,38 @@ pub(crate) struct Arriving {
 }
 
 /// Light at a surface whose way there depends on the wavelength.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Dispersed {
     hit: Hit,
     /// The direction in which the surface is looked at.
     direction: DVec3,
     path: Path,
     reach: Reach,
+    candidates: Arc<[u32]>,
+}
+
+/// The same where no photon moves: what the surface reflects at two wavelengths, between which it changes in proportion to 1/λ².
+#[derive(Clone, Debug)]
+pub(super) struct Still {
+    ends: [Radiance; 2],
+}
+
+/// These wavelengths, in nm.
+const ENDS: [f64; 2] = [450.0, 620.0];
+
+impl Still {
+    /// The light at a wavelength in nm.
+    pub(super) fn at(&self, wavelength: f64) -> Radiance {
+        let [first, last, own] = [ENDS[0], ENDS[1], wavelength].map(|w| 1.0 / (w * w));
+        let share = (own - last) / (first - last);
+        let mut light = Radiance::default();
+        for (end, share) in self.ends.iter().zip([share, 1.0 - share]) {
+            for (monomial, weight) in end.terms() {
+                light.add(*monomial, share * weight);
+            }
+        }
+        light
+    }
 }
 
 /// What a surface makes of light from a direction: a sum of two spectra, each times a BRDF in 1/sr.
@@ -116,15 +152,35 @@ impl<'s> Worker<'s> {
     /// Adds what a surface reflects of light that comes by way of mirrors and glass; what depends on the wavelength is deferred.
     pub(super) fn caustic(&mut self, hit: &Hit, direction: DVec3, path: Path, radiance: &mut Radiance) {
         let Some(caustics) = self.caustics else { return };
-        self.arriving(hit, direction, path, None, radiance);
-        let Some(reach) = caustics.reach(hit, self.least(path), &mut self.arriving.scratch) else { return };
+        let noise = self.noise_share(path.band);
+        self.arriving(hit, direction, (path, noise), None, radiance);
+        let least = self.least(path);
+        let Some(reach) = caustics.reach(hit, least, &mut self.arriving) else { return };
         if let Some(band) = path.band {
-            self.arriving(hit, direction, path, Some((band, reach)), radiance);
+            self.arriving(hit, direction, (path, noise), Some((band, reach)), radiance);
             return;
         }
+        let later = if reach.is_still {
+            Later::Still(self.still(hit, direction, path, reach))
+        } else {
+            let candidates = self.arriving.candidates.as_slice().into();
+            Later::Dispersed(Dispersed { hit: *hit, direction, path, reach, candidates })
+        };
         let number = u32::try_from(self.deferred.len()).unwrap_or(u32::MAX);
-        self.deferred.push(super::Later::Dispersed(Dispersed { hit: *hit, direction, path, reach }));
+        self.deferred.push(later);
         radiance.defer(Deferred(number), path.monomial, 1.0);
+    }
+
+    /// The light of a place whose photons have just been found.
+    fn still(&mut self, hit: &Hit, direction: DVec3, path: Path, reach: Reach) -> Still {
+        let unit = Path { monomial: Monomial::default(), ..path };
+        let ends = ENDS.map(|wavelength| {
+            let mut light = Radiance::default();
+            // The errors of both are those of the same photons.
+            self.arriving(hit, direction, (unit, 0.5), Some((Band::single(wavelength), reach)), &mut light);
+            light
+        });
+        Still { ends }
     }
 
     /// Half of a pixel's width where a path is, if nothing magnifies: smaller details are not asked for.
@@ -137,16 +193,19 @@ impl<'s> Worker<'s> {
     pub(super) fn dispersed(&mut self, place: &Dispersed, band: Band) -> Radiance {
         let mut light = Radiance::default();
         let path = Path { monomial: Monomial::default(), ..place.path };
-        self.arriving(&place.hit, place.direction, path, Some((band, place.reach)), &mut light);
+        let noise = self.noise_share(Some(band));
+        self.arriving.candidates.clear();
+        self.arriving.candidates.extend_from_slice(&place.candidates);
+        self.arriving(&place.hit, place.direction, (path, noise), Some((band, place.reach)), &mut light);
         light
     }
 
-    /// Adds what a surface reflects of the light that reaches it for some waves.
+    /// Adds what a surface reflects of the light that reaches it for some waves; this share of its errors is counted.
     fn arriving(
         &mut self,
         hit: &Hit,
         direction: DVec3,
-        path: Path,
+        (path, noise): (Path, f64),
         band: Option<(Band, Reach)>,
         radiance: &mut Radiance,
     ) {
@@ -155,27 +214,21 @@ impl<'s> Worker<'s> {
         found.list.clear();
         let spectra = caustics.arriving(hit, self.least(path), band, &mut found);
         if let (false, Some(response)) = (found.list.is_empty(), self.response(hit, direction)) {
-            let noise = self.noise_share(band.map(|(band, _)| band));
             self.reflected((&found.list, &spectra), &response, (path, noise), radiance);
         }
         self.arriving = found;
     }
 
-    /// The part of a band's errors that counts: light that was asked for as a whole is asked for again in parts.
-    const fn noise_share(&mut self, band: Option<Band>) -> f64 {
+    /// The part of a band's errors that counts: light that was asked for in some bands is asked for again in others.
+    fn noise_share(&mut self, band: Option<Band>) -> f64 {
         let share = match band {
             None => return 1.0,
+            Some(band) if band.share() == 0.0 => 1.0,
             Some(band) => band.share(),
         };
-        let is_whole = share == 0.0 || share == 1.0;
-        self.is_noise_counted |= is_whole;
-        if is_whole {
-            1.0
-        } else if self.is_noise_counted {
-            0.0
-        } else {
-            share
-        }
+        // Equal bands may differ by rounding.
+        let counted = *self.noise_counted.get_or_insert(share);
+        if (share - counted).abs() <= 0.01 * counted { share } else { 0.0 }
     }
 
     fn reflected(

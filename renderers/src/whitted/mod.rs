@@ -27,7 +27,7 @@ pub(crate) use caustic::{Arrived, Arriving, Caustics, Reach};
 use glam::DVec3;
 use spectral_core::brdf::Schlick;
 
-use self::caustic::Dispersed;
+use self::caustic::{Dispersed, Still};
 pub use self::glossy::GlossyLight;
 use self::refraction::Interface;
 pub(crate) use self::refraction::boundary;
@@ -172,9 +172,12 @@ pub struct Worker<'s> {
     /// Light that was found at a place; its sums by products of spectra, and the squares of their standard errors.
     arriving: Arrived,
     sums: Vec<(u32, [f64; 2], [f64; 2])>,
-    /// The standard errors of the pixel's light by way of mirrors and glass, and whether those of all waves have been counted.
+    /// The standard errors of the pixel's light by way of mirrors and glass, and the share of all waves that the bands have in which they
+    /// are counted.
     noise: Radiance,
-    is_noise_counted: bool,
+    noise_counted: Option<f64>,
+    /// Whether only light between surfaces is wanted.
+    is_gathering: bool,
     known: KnownCells,
     scratch: Scratch,
     points: SobolSequence,
@@ -189,6 +192,8 @@ enum Later {
     Boundary(Interface),
     /// Where light comes to a surface.
     Dispersed(Dispersed),
+    /// Where it comes to the same place at all wavelengths.
+    Still(Still),
 }
 
 /// Where a path is: what its light is multiplied by, and how it was deferred.
@@ -225,7 +230,8 @@ impl<'s> Worker<'s> {
             arriving: Arrived::default(),
             sums: Vec::new(),
             noise: Radiance::default(),
-            is_noise_counted: false,
+            noise_counted: None,
+            is_gathering: false,
             known: KnownCells::default(),
             scratch: Scratch::default(),
             points: SobolSequence::new(0),
@@ -273,7 +279,7 @@ impl<'s> Worker<'s> {
         self.deferred.clear();
         self.rows.clear();
         self.noise = Radiance::default();
-        self.is_noise_counted = false;
+        self.noise_counted = None;
         self.points = points;
         self.samples = 0;
     }
@@ -383,7 +389,7 @@ impl<'s> Worker<'s> {
     /// Calls `receive` for each visible part of the light with this number.
     fn illuminate(&mut self, number: usize, receiver: &Receiver, least: u32, receive: impl FnMut(Part)) {
         let Whitted { world, blockers, cells, lights, .. } = self.scene;
-        if matches!(self.between, Between::Noted(_)) {
+        if self.is_gathering || matches!(self.between, Between::Noted(_)) {
             return;
         }
         let Some(light) = lights.get(number) else { return };
@@ -414,7 +420,8 @@ impl<'s> Worker<'s> {
             }
             Between::Noted(hits) => hits.push(*hit),
             Between::Asked(indirect) => {
-                if reflected.weight == 0.0 {
+                // What is between surfaces is gathered along one path for all waves.
+                if reflected.weight == 0.0 || (reflected.band.is_some() && !self.is_gathering) {
                     return;
                 }
                 let (start, width) = (self.rows.len(), indirect.width());
@@ -534,7 +541,9 @@ impl Tracer for Worker<'_> {
 
     fn trace_gathered(&mut self, deferred: Deferred) -> Radiance {
         let caustics = self.caustics.take();
+        self.is_gathering = true;
         let light = self.expand(deferred.0 as usize, Band::single(MEAN_WAVELENGTH));
+        self.is_gathering = false;
         self.caustics = caustics;
         light
     }

@@ -70,6 +70,7 @@ impl Worker<'_> {
             None => Radiance::default(),
             Some(Later::Boundary(interface)) => self.expand_boundary(&interface, band),
             Some(Later::Dispersed(place)) => self.dispersed(&place, band),
+            Some(Later::Still(light)) => light.at(band.wavelength),
         }
     }
 
