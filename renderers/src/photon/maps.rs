@@ -134,7 +134,7 @@ const SHORT: f32 = 1e-4;
 const MOST_DISPERSIVE: [f64; 2] = [390.0, 410.0];
 
 /// Steps in nm in which it is looked at how fluxes change and where photons come to, and by how many paths.
-const PROBES: u32 = 10;
+const PROBES: u32 = 20;
 const PROBED: usize = 512;
 
 /// How much fluxes may change, relative to themselves, within a band whose parts don't have photons of their own.
@@ -219,7 +219,7 @@ impl<'s> Maps<'s> {
     }
 
     /// The band itself, or the half, quarter, … of all waves that it is in, if it is so narrow that photons of one map will do for these: as
-    /// each photon has a wavelength of its own, they may move by half of a radius, or by three quarters of a pixel, which is twice `least`.
+    /// each photon has a wavelength of its own, they may move by a radius, which is half of what the kernel spreads it over, or by a pixel, which is twice `least`.
     /// Dispersion is taken to fall like Cauchy's, and fluxes change little.
     fn widened(&self, band: Band, radius: f32, least: f32) -> Band {
         let whole = LAST_WAVELENGTH - FIRST_WAVELENGTH;
@@ -227,7 +227,7 @@ impl<'s> Maps<'s> {
         let wavelength = f64::midpoint(from, to);
         let shift = self.shift * (MOST_DISPERSIVE[0] / wavelength).powi(3);
         let by_flux = CHANGE * f64::from(PROBES) / self.steepest;
-        let narrowest = (f64::from((0.5 * radius).max(1.5 * least)) / shift).min(by_flux).clamp(NARROWEST, whole);
+        let narrowest = (f64::from(radius.max(2.0 * least)) / shift).min(by_flux).clamp(NARROWEST, whole);
         if to == from || to - from >= narrowest {
             return band;
         }

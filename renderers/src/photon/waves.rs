@@ -26,8 +26,13 @@ pub enum Bundle {
 pub(crate) struct Waves {
     /// ∫ from 380 nm to each step.
     cumulative: Vec<f64>,
+    /// For equal parts of the whole integral the step that they begin in.
+    nearby: Vec<usize>,
     bundle: Bundle,
 }
+
+/// How many such parts there are.
+const PARTS: u32 = 1024;
 
 impl Waves {
     pub(crate) fn new(bundle: Bundle) -> Self {
@@ -39,7 +44,12 @@ impl Waves {
             cumulative.push(sum);
             wavelength += STEP;
         }
-        Self { cumulative, bundle }
+        let nearby = (0..PARTS).map(|part| {
+            let value = sum * f64::from(part) / f64::from(PARTS);
+            // A part may begin a little earlier, by rounding.
+            cumulative.partition_point(|c| *c <= value).saturating_sub(2)
+        });
+        Self { nearby: nearby.collect(), cumulative, bundle }
     }
 
     /// The wavelength in nm, inside a band, of the path with this number.
@@ -58,10 +68,13 @@ impl Waves {
     /// The wavelength in nm below which this share of a band's sensitivity is.
     fn at(&self, band: Band, share: f64) -> f64 {
         let [from, to] = band.limits;
+        if !(to > from) {
+            return band.wavelength;
+        }
         let [below, above] = [from, to].map(|w| self.below(w));
         let total = above - below;
-        if !(to > from) || !(total > 0.0) {
-            return if to > from { from + share * (to - from) } else { band.wavelength };
+        if !(total > 0.0) {
+            return from + share * (to - from);
         }
         self.inverse(below + share * total).clamp(from, to)
     }
@@ -74,12 +87,29 @@ impl Waves {
 
     fn inverse(&self, value: f64) -> f64 {
         let last = self.cumulative.len() - 2;
-        let step = self.cumulative.partition_point(|c| *c <= value).saturating_sub(1).min(last);
+        let step = self.step_of(value).min(last);
         let width = self.cumulative[step + 1] - self.cumulative[step];
         let t = if width > 0.0 { (value - self.cumulative[step]) / width } else { 0.0 };
         #[allow(clippy::cast_precision_loss, reason = "400 steps")]
         let wavelength = FIRST_WAVELENGTH + STEP * (step as f64 + t);
         wavelength
+    }
+
+    /// The last step whose integral doesn't exceed a value: a few steps from one that is known for values nearby.
+    #[allow(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        clippy::cast_precision_loss,
+        reason = "some hundred steps"
+    )]
+    fn step_of(&self, value: f64) -> usize {
+        let total = self.cumulative.last().copied().unwrap_or(0.0);
+        let near = if total > 0.0 { (value / total * self.nearby.len() as f64).max(0.0) as usize } else { 0 };
+        let mut step = self.nearby.get(near.min(self.nearby.len().saturating_sub(1))).copied().unwrap_or(0);
+        while self.cumulative.get(step + 1).is_some_and(|c| *c <= value) {
+            step += 1;
+        }
+        step
     }
 
     /// The step that a place in the table is in, and where in it.
@@ -144,7 +174,7 @@ mod tests {
 
     #[test]
     fn where_nothing_is_seen_all_waves_are_alike() {
-        let waves = Waves { cumulative: vec![0.0; 401], bundle: Bundle::Continuous };
+        let waves = Waves { cumulative: vec![0.0; 401], nearby: Vec::new(), bundle: Bundle::Continuous };
         let band = Band { wavelength: 500.0, limits: [400.0, 600.0] };
         assert_eq!(waves.at(band, 0.25), 450.0);
     }

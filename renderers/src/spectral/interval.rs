@@ -320,13 +320,21 @@ struct Pixel<'p, 'a> {
     tracer: &'p mut dyn Tracer,
     products: &'p mut Products,
     /// Light that was traced for the middle wavelengths of intervals.
-    traced: HashMap<(Deferred, Node), Radiance>,
+    traced: ByNode<Radiance>,
     /// Whether light for the parts of an interval can be interpolated between that of itself and its halves.
-    is_steady: HashMap<(Deferred, Node), bool>,
+    is_steady: ByNode<bool>,
     /// How far the interval's tristimulus values may be off by the path that was traced.
-    path_radii: HashMap<(Deferred, Node), [f64; 3]>,
+    path_radii: ByNode<[f64; 3]>,
     /// About the pixel's tristimulus values, once they have been asked for.
     total: Option<[f64; 3]>,
+}
+
+/// What is known of deferred light on intervals.
+type ByNode<T> = HashMap<(u32, u32), T, PairBuild>;
+
+#[allow(clippy::cast_possible_truncation, reason = "below 2¹³")]
+const fn key(deferred: Deferred, node: Node) -> (u32, u32) {
+    (deferred.0, node.position() as u32)
 }
 
 /// Deferred light on an interval, and what its tristimulus values may be off by.
@@ -341,14 +349,14 @@ impl<'p, 'a> Pixel<'p, 'a> {
         radiance: &'p Radiance,
         tracer: &'p mut dyn Tracer,
     ) -> Self {
-        let (traced, is_steady, path_radii) = (HashMap::new(), HashMap::new(), HashMap::new());
+        let (traced, is_steady, path_radii) = (ByNode::default(), ByNode::default(), ByNode::default());
         Self { shared, radiance, tracer, products, traced, is_steady, path_radii, total: None }
     }
 
     /// Deferred light traced for the middle wavelength of an interval, once.
     fn trace(&mut self, deferred: Deferred, node: Node) -> &Radiance {
         let (tracer, shared) = (&mut self.tracer, self.shared);
-        self.traced.entry((deferred, node)).or_insert_with(|| tracer.trace(deferred, shared.band(node)))
+        self.traced.entry(key(deferred, node)).or_insert_with(|| tracer.trace(deferred, shared.band(node)))
     }
 
     /// A sum of traced light.
@@ -436,7 +444,7 @@ impl<'p, 'a> Pixel<'p, 'a> {
 
     /// Whether light that counts for so much is on a line, near enough, at the middles of an interval and its halves.
     fn is_steady(&mut self, deferred: Deferred, node: Node, scale: f64) -> bool {
-        if let Some(known) = self.is_steady.get(&(deferred, node)) {
+        if let Some(known) = self.is_steady.get(&key(deferred, node)) {
             return *known;
         }
         let [first, last] = halves(node);
@@ -447,7 +455,7 @@ impl<'p, 'a> Pixel<'p, 'a> {
         let paths = self.radiance.deferred().len() as f64;
         let allowed = PATH_SHARE * self.shared.settings.threshold * self.share(node) / paths;
         let is_steady = delta_e_bound(self.total(), estimate, self.shared.white).delta_e <= allowed;
-        self.is_steady.insert((deferred, node), is_steady);
+        self.is_steady.insert(key(deferred, node), is_steady);
         is_steady
     }
 
@@ -479,7 +487,7 @@ impl<'p, 'a> Pixel<'p, 'a> {
         let mut total = [0.0; 3];
         for node in nodes {
             for (deferred, _, weight) in self.radiance.deferred() {
-                if let Some(radius) = self.path_radii.get(&(*deferred, node)) {
+                if let Some(radius) = self.path_radii.get(&key(*deferred, node)) {
                     total = core::array::from_fn(|a| total[a] + weight * radius[a]);
                 }
             }
@@ -501,7 +509,7 @@ impl Sources<f64> for Pixel<'_, '_> {
         let (deferred, monomial, scale) = *self.radiance.deferred().get(place - self.radiance.terms().len())?;
         let Served { light, estimate } = self.serve(deferred, node, scale);
         let mut light = self.sum(&light, node);
-        self.path_radii.insert((deferred, node), estimate);
+        self.path_radii.insert(key(deferred, node), estimate);
         match self.shared.order() {
             // Without a radius of its own, the first order counts the path's error with the spectrum's.
             Order::First => {
