@@ -400,6 +400,31 @@ mod tests {
         }
     }
 
+    /// Between two keys a photon's motion leads from its place at one wavelength to that at any other; what is too far stays, and with more keys
+    /// no motion is the same for all wavelengths.
+    #[test]
+    fn motions_lead_from_wavelength_to_wavelength() {
+        let throw = |wavelength: f64| thrown(wavelength, cauchy);
+        let curves = Curves::new(&[(400.0, throw(400.0)), (700.0, throw(700.0))]);
+        let (photons, motions) = curves.moving(|path| 400.0 + 3.0 * f64::from(path)).unwrap();
+        assert_eq!((photons.len(), motions.len()), (100, 100));
+        for wavelength in [400.0, 450.0, 555.0, 700.0] {
+            #[allow(clippy::cast_possible_truncation, reason = "as photons are")]
+            let to = curves.between(wavelength) as f32;
+            for ((photon, motion), exact) in photons.iter().zip(&motions).zip(throw(wavelength)) {
+                let ([place, ..], flux) = motion.moved(photon, to, 1.0);
+                let [stays, ..] = motion.moved(photon, to, 0.0).0;
+                assert!((flux - 1.0).abs() <= 1e-6 && stays == photon.position[0]);
+                // Path 7 meets another shape: nothing is known of its way there.
+                let expected = if exact.path == 7 { stays } else { exact.photon.position[0] };
+                assert!((place - expected).abs() <= 2e-5, "{wavelength} {}: {place} {expected}", exact.path);
+                assert!((place - photon.position[0]).abs() <= motion.reach() + 1e-5);
+            }
+        }
+        let keyed: Vec<_> = [400.0, 480.0, 700.0].map(|w| (w, throw(w))).into();
+        assert!(Curves::new(&keyed).moving(|_| 500.0).is_none());
+    }
+
     /// A band takes each path once, wherever its own wavelength is.
     #[test]
     fn each_path_is_there_once() {
