@@ -33,7 +33,7 @@ pub enum Between {
 /// the index depends on the wavelength, the way is that at 587.56 nm.
 ///
 /// The estimate is consistent: its errors vanish with more photons and rays. No bound of its spectral errors is known: gathered light
-/// has bins, 81 of 4.9 nm with [`Spectra::Interval`], and pictures come without bounds. Products of more than 16 reflectances (4 to 16 where
+/// has bins, 81 of 4.9 nm with [`Spectra::Interval`](super::Spectra::Interval), and pictures come without bounds. Products of more than 16 reflectances (4 to 16 where
 /// a scene has many) count further ones by their means.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct GatherOptions {
