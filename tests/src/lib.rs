@@ -2,6 +2,7 @@
 
 extern crate alloc;
 
+pub mod accuracy;
 pub mod bodies;
 pub mod certify;
 pub mod comparisons;
