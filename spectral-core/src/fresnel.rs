@@ -57,7 +57,8 @@ pub fn conductor<R: Real>(cosine: R, n: R, k: R) -> R {
     let t = (n - k) * (n + k) - s2;
     let cross = R::TWO * n * k;
     let a2_b2 = t.hypot(cross);
-    let a = ((a2_b2 + t) * R::HALF).max(R::ZERO).sqrt();
+    // For metals t is about −k²: the sum would lose what n is.
+    let a = if t < R::ZERO { cross / (R::TWO * (a2_b2 - t)).sqrt() } else { ((a2_b2 + t) * R::HALF).sqrt() };
     let ac = R::TWO * a * cosine;
     let s = (a2_b2 + c2 - ac) / (a2_b2 + c2 + ac);
     let p = s * (c2 * a2_b2 + s2 * s2 - ac * s2) / (c2 * a2_b2 + s2 * s2 + ac * s2);

@@ -4,6 +4,7 @@
 //! - [`table`]: what is measured, in which unit, and how large the error may be; what isn't, and why;
 //! - [`cases`]: how it is measured: domains, and oracles written from the sources of the formulas;
 //! - [`gauge`]: points (special values, walks around edges, grids, random) and units;
+//! - [`lines`]: exact integrals of piecewise linear functions;
 //! - [`wide`]: arithmetic and elementary functions of 106 bits;
 //! - [`scan`]: which public functions there are;
 //! - [`report`]: the table as Markdown.
@@ -21,6 +22,7 @@
 
 pub mod cases;
 pub mod gauge;
+pub mod lines;
 pub mod report;
 pub mod scan;
 pub mod table;

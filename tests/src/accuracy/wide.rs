@@ -213,6 +213,9 @@ impl Wide {
     #[must_use]
     pub fn sin_cos(self) -> (Self, Self) {
         const HALVINGS: u32 = 5;
+        if self.high.abs() < 1e-100 {
+            return (self, Self::ONE); // squares would underflow
+        }
         // π/2 in three parts.
         let parts = [1.570_796_326_794_896_6, 6.123_233_995_736_766e-17, -1.497_384_904_859_169_8e-33];
         let turns = (self.high / parts[0]).round();

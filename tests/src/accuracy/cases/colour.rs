@@ -123,7 +123,7 @@ fn decoded(code: Wide) -> Wide {
 /// IEC 61966-2-1, with the branches where the standard has them: rounding a limit may put a number on the other one.
 fn branch_free(gauge: &mut Gauge, name: &'static str, joint: f64) -> Axis {
     gauge.note("but for the numbers next to the joint");
-    Axis::signed(name, 1e-6, 100.0).list(&[1.0, 0.5, -1.0]).edges(&[1.0, joint * (1.0 + 1e-6), joint * (1.0 - 1e-6)])
+    Axis::signed(name, 1e-6, 8.0).list(&[1.0, 0.5, -1.0]).edges(&[1.0, joint * (1.0 + 1e-6), joint * (1.0 - 1e-6)])
 }
 
 /// The curve of sRGB.
@@ -176,11 +176,16 @@ pub fn lab_f<R: Real>(gauge: &mut Gauge) {
 
 /// Its inverse.
 pub fn lab_f_inverse<R: Real>(gauge: &mut Gauge) {
-    let axis = Axis::log("s", 0.14, 1e10).edges(&[6.0 / 29.0, 0.2, 1.0]);
-    gauge.each(&[axis], |gauge, [s]: [R; 1]| gauge.compare(colour::lab_f_inverse(s), lab_curve_inverse(wide(s))));
+    let axis = Axis::signed("s", 1e-6, 1e3).edges(&[6.0 / 29.0, 4.0 / 29.0, 0.2, 1.0]);
+    gauge.each(&[axis], |gauge, [s]: [R; 1]| {
+        let exact = lab_curve_inverse(wide(s));
+        let slope = (Wide::from(6.0) / 29.0).squared() * 3.0;
+        let size = if exact > (Wide::from(6.0) / 29.0).powi(3) { exact } else { slope * (wide(s).abs() + 4.0 / 29.0) };
+        gauge.compare_to(colour::lab_f_inverse(s), exact, size);
+    });
 }
 
-fn lab(xyz: [Wide; 3], white: [Wide; 3]) -> [Wide; 3] {
+pub(super) fn lab(xyz: [Wide; 3], white: [Wide; 3]) -> [Wide; 3] {
     let [x, y, z]: [Wide; 3] = core::array::from_fn(|i| lab_curve(xyz[i] / white[i]));
     [y * 116.0 - 16.0, (x - y) * 500.0, (y - z) * 200.0]
 }
@@ -280,8 +285,9 @@ fn hue(a: Wide, b: Wide) -> Wide {
     if angle < 0.0 { angle + 360.0 } else { angle }
 }
 
-/// CIEDE2000 by Sharma, Wu and Dalal 2005, equations 2 to 22, step by step; and how far the hues are from being opposite, in degrees.
-fn ciede2000(first: [Wide; 3], second: [Wide; 3], [k_l, k_c, k_h]: [Wide; 3]) -> (Wide, f64) {
+/// CIEDE2000 by Sharma, Wu and Dalal 2005, equations 2 to 22, step by step; and how far it is from jumping, in degrees: the hues from being
+/// opposite, or their mean from 0°, where the Gaussian of equation 16 isn't periodic.
+pub(super) fn ciede2000(first: [Wide; 3], second: [Wide; 3], [k_l, k_c, k_h]: [Wide; 3]) -> (Wide, f64) {
     let chroma = |lab: [Wide; 3]| lab[1].hypot(lab[2]);
     let g = (1.0 - seventh((chroma(first) + chroma(second)) * 0.5)) * 0.5;
     let a = [first, second].map(|lab| (g + 1.0) * lab[1]);
@@ -289,6 +295,8 @@ fn ciede2000(first: [Wide; 3], second: [Wide; 3], [k_l, k_c, k_h]: [Wide; 3]) ->
     let h = [hue(a[0], first[2]), hue(a[1], second[2])];
     let grey = c[0] * c[1] == 0.0;
     let turn = h[1] - h[0];
+    // Of opposite hues the difference is 180° exactly, whatever rounding makes of it.
+    let turn = if (turn.abs() - 180.0).abs() < 1e-24 { if turn < 0.0 { Wide::from(-180.0) } else { Wide::from(180.0) } } else { turn };
     let opposite = if grey { 180.0 } else { (turn.abs() - 180.0).abs().to_f64() };
     let difference = match turn {
         _ if grey => Wide::ZERO,
@@ -318,16 +326,18 @@ fn ciede2000(first: [Wide; 3], second: [Wide; 3], [k_l, k_c, k_h]: [Wide; 3]) ->
     let s_c = mean_chroma * Wide::decimal("0.045") + 1.0;
     let s_h = mean_chroma * t * Wide::decimal("0.015") + 1.0;
     let (l, c, h) = (lightness / (k_l * s_l), (c[1] - c[0]) / (k_c * s_c), hue_step / (k_h * s_h));
-    ((l.squared() + c.squared() + h.squared() + rotation * c * h).max(Wide::ZERO).sqrt(), opposite)
+    let jump = if grey { 180.0 } else { opposite.min((sum - 360.0).abs().to_f64()) };
+    ((l.squared() + c.squared() + h.squared() + rotation * c * h).max(Wide::ZERO).sqrt(), jump)
 }
 
 /// Measures ΔE00. The formula jumps where hues are opposite: rounding may put a pair on the other side.
 fn measure_ciede2000<R: Real>(gauge: &mut Gauge, factors: [R; 3], function: impl Fn([R; 3], [R; 3]) -> R) {
-    let near = 1e6 * R::EPSILON.to_f64();
+    gauge.note("hues a little more or less than opposite, and mean hues next to 0°, left out");
+    let near = 1e3 * R::EPSILON.to_f64();
     each_pair(gauge, |gauge, first: [R; 3], second| {
-        let (exact, opposite) = ciede2000(wides(first), wides(second), wides(factors));
-        let exactly = first[1] == -second[1] && first[2] == -second[2];
-        if opposite > near || exactly {
+        let (exact, jump) = ciede2000(wides(first), wides(second), wides(factors));
+        let exactly = first[1] == -second[1] && first[2] == -second[2] && first[1] != R::ZERO && first[2] != R::ZERO;
+        if jump > near || exactly {
             // What rounding of the chromas leaves is relative to them; the rest to the difference.
             let size = first.iter().chain(&second).fold(0.0_f64, |m, x| m.max(x.to_f64().abs()));
             let scale = exact + size * 1e-2;

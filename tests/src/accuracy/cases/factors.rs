@@ -367,7 +367,16 @@ fn each_polygon<R: Real>(gauge: &mut Gauge, mut measure: impl FnMut(&mut Gauge, 
     gauge.each(&axes, |gauge, [size, distance, polar, azimuth, a, b, c, x, y, z]: [R; 10]| {
         let first = [R::ZERO, R::ZERO, distance];
         let corner = |v: [R; 3]| core::array::from_fn(|i| first[i] + size * v[i]);
-        measure(gauge, direction(polar, azimuth), &[first, corner([a, b, c]), corner([x, y, z])]);
+        let corners = [first, corner([a, b, c]), corner([x, y, z])];
+        // How near the receiver is to the triangle's plane, over the triangle's size: the stated domain.
+        let [p, q, r] = corners.map(wides);
+        let across = cross(minus(q, p), minus(r, p));
+        let area = dot(across, across).sqrt();
+        let reach = area.sqrt().to_f64().max(size.to_f64());
+        let least = if R::EPSILON.to_f64() < 1e-10 { 1e-6 } else { 1e-3 };
+        if (dot(across, p) / area).abs().to_f64() > least * reach {
+            measure(gauge, direction(polar, azimuth), &corners);
+        }
     });
 }
 

@@ -2,3 +2,10 @@
 
 pub mod colour;
 pub mod elementary;
+pub mod factors;
+pub mod intervals;
+pub mod lights;
+pub mod maps;
+pub mod optics;
+pub mod reflectance;
+pub mod spectra;

@@ -134,7 +134,9 @@ impl Model {
         let azimuth = if length == 0.0 { [Wide::ONE, Wide::ZERO] } else { [x / length, y / length] };
         let along = (azimuth[0] * half.view[0] + azimuth[1] * half.view[1]).abs();
         let horizon = (along + along.hypot(half.view[2])) / half.view[2];
-        let (this, other) = (self.weight(half), self.weight(&Half::reflected([-x, -y], half.view)));
+        // Both as the slope reflects them: near the horizon the light itself isn't that, by the rounding of both directions' lengths.
+        let side = |slope: [Wide; 2]| self.weight(&Half::reflected(slope, half.view));
+        let (this, other) = (side([x, y]), side([-x, -y]));
         [self.cumulative(azimuth, horizon), this / (this + other), this + other]
     }
 
@@ -315,7 +317,8 @@ fn measure_inverse<R: Real, B: Brdf<R>>(gauge: &mut Gauge, brdf: &B, model: &Mod
             let light = normalized(wides(light));
             let back = Half::reflected(slope, normalized(wides(view))).light;
             let off = (0..3).fold(Wide::ZERO, |m, i| m.max((back[i] - light[i]).abs()));
-            gauge.record(off.to_f64() / R::EPSILON.to_f64());
+            // Near the horizon a slope has the error of the directions over their cosines.
+            gauge.record((off * light[2].min(wide(view[2]))).to_f64() / R::EPSILON.to_f64());
         }
     });
 }
@@ -393,8 +396,12 @@ pub fn schlick_evaluate<R: Real>(gauge: &mut Gauge) {
 /// The mixture's density.
 pub fn schlick_pdf<R: Real>(gauge: &mut Gauge) {
     gauge.note(SCHLICKS);
+    gauge.note("but for slope 0, where densities depend on the azimuth");
     schlicks(|schlick: Schlick<R>, model, [diffuse, glossy]| {
         each_pair(gauge, &model, |gauge, light, view, half| {
+            if half.secant2() == 1.0 {
+                return;
+            }
             let total = diffuse + glossy;
             let gloss = if glossy == 0.0 { Wide::ZERO } else { glossy * model.pdf(half) };
             gauge.compare(schlick.pdf(light, view), (diffuse * half.light[2] / Wide::PI + gloss) / total);
