@@ -84,7 +84,15 @@ impl<R: Real> Planck<R> {
             return R::ZERO;
         }
         let square = wavelength * wavelength;
-        R::from_f64(FIRST) / (square * square * wavelength) / (self.scale / wavelength).exp_m1()
+        let (fifth, argument) = (square * square * wavelength, self.scale / wavelength);
+        let first = R::from_f64(FIRST);
+        // Far into the infrared the power overflows, far into the ultraviolet the exponential does, long before the radiance underflows.
+        let front = if fifth.is_finite() { first / fifth } else { first / square / square / wavelength };
+        if argument < R::from_f64(64.0) {
+            return front / argument.exp_m1();
+        }
+        let half = (-argument * R::HALF).exp();
+        front * half * half
     }
 }
 

@@ -4,6 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use super::table::{ENTRIES, EXEMPT};
 use syn::{ImplItem, Item, ItemImpl, TraitItem, Type, Visibility};
 
 /// The crates that are scanned.
@@ -30,6 +31,16 @@ pub fn public_functions() -> Result<BTreeMap<String, &'static str>, String> {
         }
     }
     Ok(found)
+}
+
+/// The public functions that are neither measured nor exempt.
+///
+/// # Errors
+/// As [`public_functions`].
+pub fn unlisted() -> Result<Vec<String>, String> {
+    let exempt = EXEMPT.iter().flat_map(|(_, names)| names.iter().copied());
+    let listed: BTreeSet<&str> = ENTRIES.iter().map(|entry| entry.name).chain(exempt).collect();
+    Ok(public_functions()?.into_keys().filter(|name| !listed.contains(name.as_str())).collect())
 }
 
 type Module = (Vec<String>, Vec<Item>);

@@ -160,7 +160,41 @@ entries! {
     "action::Projection::new" Relative, [1e-6, 1e-13] lights::projection;
     "action::Projection::apply" UlpOf("the terms' sum"), [4.0, 4.0] lights::projection_apply;
     "action::Projection::rgb" UlpOf("the terms' sum"), [4.0, 4.0] lights::projection_rgb;
-    "action::Projection::relative_error" Relative, [1e-4, 1e-13] lights::projection_error;
+    "action::Projection::relative_error" UlpOf("1"), [1e-4, 1e-13] lights::projection_error;
+
+    "bilinear::Tensor::product" UlpOf("the terms' sum"), [4.0, 4.0] components::product;
+    "bilinear::Tensor::reflection" UlpOf("¾"), [4.0, 4.0] components::reflection;
+    "bilinear::Reflection::apply" UlpOf("the terms' sum"), [4.0, 4.0] components::reflection_apply;
+    "bilinear::Reflection::after" UlpOf("¾"), [4.0, 4.0] components::reflection_after;
+    "bilinear::Tensor::divisor" UlpOf("κ²"), [10.0, 10.0] components::divisor;
+    "bilinear::Divisor::quotient" UlpOf("κ times the largest component"), [10.0, 10.0] components::quotient;
+    "bilinear::Divisor::relighting" UlpOf("κ times the largest entry"), [10.0, 10.0] components::relighting;
+    "bilinear::Tensor::matrices" UlpOf("¾"), [4.0, 4.0] components::matrices;
+    "bilinear::Tensor::from_matrices" UlpOf("¾"), [4.0, 4.0] components::from_matrices;
+    "bilinear::Tensor::alpha" UlpOf("⅜"), [4.0, 4.0] components::alpha;
+    "bilinear::Tensor::with_alpha" Ulp, [10.0, 10.0] components::with_alpha;
+    "bilinear::Tensor::scaled" Ulp, [1.0, 1.0] components::scaled;
+    "bilinear::Tensor::rec_709" Absolute("coefficient"), [1e-6, 1e-14] components::rec_709;
+    "bilinear::Tensor::rec_2020" Absolute("coefficient"), [1e-6, 1e-14] components::rec_2020;
+    "bilinear::Tensor::acescg" Absolute("coefficient"), [1e-6, 1e-14] components::acescg;
+    "bilinear::estimate" Absolute("coefficient"), [1e-6, 1e-14] components::estimate;
+    "bilinear::estimate_rgb" Absolute("coefficient"), [1e-6, 1e-14] components::estimate_rgb;
+    "prefilter::Prefilter::new" UlpOf("the terms' sum"), [10.0, 10.0] components::prefilter_new;
+    "prefilter::Prefilter::material" UlpOf("the terms' sum"), [32.0, 32.0] components::prefilter_material;
+    "prefilter::Prefilter::other_light" UlpOf("the terms' sum"), [10.0, 10.0] components::prefilter_other_light;
+    "prefilter::Prefilter::balanced" Ulp, [4.0, 4.0] components::prefilter_balanced;
+    "upsampling::Sigmoid::smooth" UlpOf("ρ (1 + κ)"), [4.0, 4.0] components::sigmoid_smooth;
+    "upsampling::Sigmoid::segment" UlpOf("ρ (1 + κ)"), [4.0, 4.0] components::sigmoid_segment;
+    "upsampling::Sigmoid::grey" Ulp, [4.0, 4.0] components::sigmoid_grey;
+    "upsampling::Sigmoid::nanometre_coefficients" UlpOf("the terms' sum, in `f64`"), [4.0, 4.0] components::nanometre_coefficients;
+    "upsampling::Upsampler::colour" UlpOf("¾"), [40.0, 40.0] components::upsampler_colour;
+    "upsampling::Upsampler::reflectance" Absolute("linear sRGB"), [1e-5, 1e-12] components::upsampler_reflectance;
+    "upsampling::LightUpsampler::emission" Absolute("linear sRGB"), [1e-5, 1e-12] components::emission;
+    "upsampling::LightUpsampler::colour" UlpOf("¾"), [40.0, 40.0] components::emission_colour;
+    "upsampling::Emission::segment" UlpOf("S (1 + κ)"), [10.0, 10.0] components::emission_segment;
+    "upsampling::Emission::scale" Ulp, [10.0, 10.0] components::emission_scale;
+    "upsampling::smits::Basis::spectrum" UlpOf("the largest component"), [4.0, 4.0] components::smits_spectrum;
+    "upsampling::smits::Bins::segment" Ulp, [0.0, 0.0] components::bins_segment;
 
     "fresnel::schlick_factor" Ulp, [4.0, 4.0] optics::schlick_factor;
     "fresnel::schlick" Ulp, [4.0, 4.0] optics::schlick;
@@ -184,6 +218,11 @@ entries! {
     "brdf::Ward::sample" UlpOf("¾, of the direction"), [2.0, 2.0] reflectance::ward_sample;
     "brdf::Ward::sample_half_vector" UlpOf("¾, of the direction"), [2.0, 2.0] reflectance::ward_sample_half_vector;
     "brdf::Ward::invert" UlpOf("1/cos θ, of the direction"), [2.0, 2.0] reflectance::ward_invert;
+    "brdf::Ward::albedo" Relative, [2e-4, 2e-4] albedo::ward;
+    "brdf::Ward::albedo_by_quadrature" Relative, [2e-5, 2e-5] albedo::ward_by_quadrature;
+    "brdf::Schlick::albedo" Relative, [1e-4, 1e-4] albedo::schlick;
+    "brdf::Glossy::albedo" Relative, [2e-4, 2e-4] albedo::glossy_albedo;
+    "brdf::Lambert::albedo" Ulp, [0.0, 0.0] albedo::lambert;
     "brdf::Lambert::evaluate" Ulp, [2.0, 2.0] reflectance::lambert_evaluate;
     "brdf::Lambert::pdf" Ulp, [2.0, 2.0] reflectance::lambert_pdf;
     "brdf::Lambert::sample" UlpOf("¾, of the direction"), [2.0, 2.0] reflectance::lambert_sample;
@@ -224,6 +263,14 @@ entries! {
     "polygon_irradiance_vector" UlpOfLargest, [1e-5, 1e-12] factors::polygon_irradiance_vector;
     "rectangle_parallel_factor" Ulp, [8.0, 8.0] factors::rectangle_parallel_factor;
     "rectangle_perpendicular_factor" Ulp, [16.0, 16.0] factors::rectangle_perpendicular_factor;
+    "partition::Subsource::position" UlpOf("¾"), [10.0, 10.0] disks::position;
+    "partition::Subsource::weight" Ulp, [1.0, 1.0] disks::weight;
+    "partition::Subsource::extent" Ulp, [1.0, 1.0] disks::extent;
+    "partition::Subsource::sample" UlpOf("¾"), [10.0, 10.0] disks::sample;
+    "partition::Subsource::cubature" Absolute("means of 1, r², r⁴"), [1e-6, 1e-14] disks::cubature;
+    "estimate::integrate" Relative, [1e-5, 1e-12] disks::integrate;
+    "estimate::ratio" Relative, [1e-5, 1e-12] disks::ratio;
+    "estimate::ratio_of_parts" Relative, [1e-4, 1e-12] disks::ratio_of_parts;
 }
 
 /// Public functions without an entry.

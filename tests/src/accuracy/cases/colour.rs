@@ -11,11 +11,16 @@ fn unit_luminance([x, y]: [Wide; 2]) -> [Wide; 3] {
     [x / y, Wide::ONE, (1.0 - x - y) / y]
 }
 
+/// XYZ of a white.
+fn white_of(xy: [f64; 2]) -> [Wide; 3] {
+    unit_luminance(xy.map(Wide::from))
+}
+
 /// The matrix from RGB to XYZ (SMPTE RP 177): the primaries' columns, scaled so that they add up to white.
-fn matrix(primaries: [[f64; 2]; 3], white: [f64; 2]) -> [[Wide; 3]; 3] {
+pub(super) fn matrix(primaries: [[f64; 2]; 3], white: [Wide; 3]) -> [[Wide; 3]; 3] {
     let [r, g, b] = primaries.map(|xy| unit_luminance(xy.map(Wide::from)));
     let columns = core::array::from_fn(|i| [r[i], g[i], b[i]]);
-    let scale = apply(&inverse(&columns), unit_luminance(white.map(Wide::from)));
+    let scale = apply(&inverse(&columns), white);
     columns.map(|row: [Wide; 3]| core::array::from_fn(|j| row[j] * scale[j]))
 }
 
@@ -36,7 +41,7 @@ pub fn rgb_to_xyz_matrix<R: Real>(gauge: &mut Gauge) {
                 let mut moved = |x: f64| x + move_by * (2.0 * gauge.rng().unit() - 1.0);
                 let primaries = space.primaries().map(|xy| xy.map(&mut moved));
                 let white = white.map(&mut moved);
-                let (got, exact) = (rgb::rgb_to_xyz_matrix(primaries, white), matrix(primaries, white));
+                let (got, exact) = (rgb::rgb_to_xyz_matrix(primaries, white), matrix(primaries, white_of(white)));
                 for (got, exact) in got.into_iter().zip(exact) {
                     gauge.compare_all(got, exact);
                 }
@@ -66,13 +71,13 @@ const XYZ: [&str; 3] = ["X", "Y", "Z"];
 
 /// Linear RGB to XYZ.
 pub fn linear_rgb_to_xyz<R: Real>(gauge: &mut Gauge) {
-    let matrix = matrix(rgb::PRIMARIES, rgb::WHITE_CHROMATICITY);
+    let matrix = matrix(rgb::PRIMARIES, white_of(rgb::WHITE_CHROMATICITY));
     measure_matrix::<R>(gauge, RGB, &matrix, colour::linear_rgb_to_xyz);
 }
 
 /// XYZ to linear RGB.
 pub fn xyz_to_linear_rgb<R: Real>(gauge: &mut Gauge) {
-    let matrix = inverse(&matrix(rgb::PRIMARIES, rgb::WHITE_CHROMATICITY));
+    let matrix = inverse(&matrix(rgb::PRIMARIES, white_of(rgb::WHITE_CHROMATICITY)));
     measure_matrix::<R>(gauge, XYZ, &matrix, colour::xyz_to_linear_rgb);
 }
 
@@ -80,7 +85,7 @@ pub fn xyz_to_linear_rgb<R: Real>(gauge: &mut Gauge) {
 pub fn space_to_xyz<R: Real>(gauge: &mut Gauge) {
     gauge.note("Rec. 709, Rec. 2020, ACEScg, sharp");
     for ((_, space), white) in SPACES.into_iter().zip(WHITES) {
-        measure_matrix::<R>(gauge, RGB, &matrix(space.primaries(), white), |v| space.to_xyz(v));
+        measure_matrix::<R>(gauge, RGB, &matrix(space.primaries(), white_of(white)), |v| space.to_xyz(v));
     }
 }
 
@@ -88,7 +93,7 @@ pub fn space_to_xyz<R: Real>(gauge: &mut Gauge) {
 pub fn space_from_xyz<R: Real>(gauge: &mut Gauge) {
     gauge.note("Rec. 709, Rec. 2020, ACEScg, sharp");
     for ((_, space), white) in SPACES.into_iter().zip(WHITES) {
-        measure_matrix::<R>(gauge, XYZ, &inverse(&matrix(space.primaries(), white)), |v| space.from_xyz(v));
+        measure_matrix::<R>(gauge, XYZ, &inverse(&matrix(space.primaries(), white_of(white))), |v| space.from_xyz(v));
     }
 }
 
@@ -96,7 +101,7 @@ pub fn space_from_xyz<R: Real>(gauge: &mut Gauge) {
 pub fn space_white<R: Real>(gauge: &mut Gauge) {
     gauge.note("Rec. 709, Rec. 2020, ACEScg, sharp; in f64");
     for ((_, space), white) in SPACES.into_iter().zip(WHITES) {
-        gauge.compare_all(space.white(), unit_luminance(white.map(Wide::from)));
+        gauge.compare_all(space.white(), white_of(white));
     }
 }
 

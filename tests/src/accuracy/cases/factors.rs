@@ -252,8 +252,13 @@ fn seen<R: Real>(disk: &Disk<R>, position: [R; 3]) -> Seen {
     Seen::new(wides(disk.centre()), wides(disk.normal()), wide(disk.radius()), wides(position))
 }
 
+/// The factor of a disk for a receiver, where the arithmetic serves.
+pub(super) fn exact_factor<R: Real>(disk: &Disk<R>, receiver: &Receiver<R>) -> Option<Wide> {
+    seen(disk, receiver.position()).factor(unit(wides(receiver.normal())))
+}
+
 /// Factors below this are out of the stated domain.
-fn least<R: Real>() -> f64 {
+pub(super) fn least<R: Real>() -> f64 {
     if R::EPSILON.to_f64() < 1e-10 { 1e-60 } else { 1e-20 }
 }
 
@@ -266,8 +271,7 @@ pub fn disk_configuration_factor<R: Real>(gauge: &mut Gauge) {
         gauge.compare(ds::disk_configuration_factor(&disk, &receiver), exact);
     });
     each_disk(gauge, |gauge, disk: &Disk<R>, receiver| {
-        let exact = seen(disk, receiver.position()).factor(unit(wides(receiver.normal())));
-        if let Some(exact) = exact.filter(|f| *f == 0.0 || f.to_f64() > least::<R>()) {
+        if let Some(exact) = exact_factor(disk, receiver).filter(|f| *f == 0.0 || f.to_f64() > least::<R>()) {
             gauge.compare(ds::disk_configuration_factor(disk, receiver), exact);
         }
     });

@@ -174,7 +174,7 @@ pub fn cct<R: Real>(gauge: &mut Gauge) {
     gauge.effort(0.05);
     let (table, sums) = (LocusTable::new(&locus::<R>()), Sums::new());
     let axes = [Axis::log("T", 1000.0, 25_000.0).list(&[5000.0]), Axis::linear("Duv", -0.02, 0.02).list(&[0.0])];
-    gauge.note("points beside the locus of 5 nm");
+    gauge.note("for the locus at 5 nm, Duv's own error included");
     gauge.each(&axes, |gauge, [t, away]: [R; 2]| {
         let on = |t: Wide| uv(sums.xyz(&black_body(t)));
         let ([u, v], [p, q]) = (on(wide(t)), on(wide(t) * 1.0001));
@@ -862,6 +862,6 @@ pub fn projection_error<R: Real>(gauge: &mut Gauge) {
         let sum = |weight: &dyn Fn(usize) -> Wide| (0..N).fold(Wide::ZERO, |sum, n| sum + weight(n) * exact[n]);
         let omega = sum(&|n| wide(weighting.weights()[n]));
         let psi = sum(&|n| dot(wides(found.coefficients), wides(observer[n])));
-        gauge.compare(found.relative_error(&observer, &weighting, &light), (psi - omega) / omega);
+        gauge.compare_to(found.relative_error(&observer, &weighting, &light), (psi - omega) / omega, Wide::ONE);
     }
 }

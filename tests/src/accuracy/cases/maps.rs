@@ -173,7 +173,7 @@ fn side() -> Wide {
 }
 
 /// Ring and place along the ring's edge of a point of the plane: by its angle, and its distance along the edge's normal.
-fn hexagonal([x, y]: [Wide; 2]) -> [Wide; 2] {
+pub(super) fn hexagonal([x, y]: [Wide; 2]) -> [Wide; 2] {
     if x == 0.0 && y == 0.0 {
         return [Wide::ZERO; 2];
     }

@@ -9,7 +9,7 @@ use crate::accuracy::wide::{Wide, dot, wide, wides};
 type Vector = [Wide; 3];
 
 /// A unit vector by its polar and azimuthal angle, rounded.
-fn direction<R: Real>(polar: R, azimuth: R) -> [R; 3] {
+pub(super) fn direction<R: Real>(polar: R, azimuth: R) -> [R; 3] {
     [polar.sin() * azimuth.cos(), polar.sin() * azimuth.sin(), polar.cos()]
 }
 
@@ -26,7 +26,7 @@ fn normalized(v: Vector) -> Vector {
 }
 
 /// A distribution of slopes and a reflectance, from the models' definitions.
-enum Model {
+pub(super) enum Model {
     /// Variant, α, β.
     Ward(Variant, Wide, Wide),
     /// r, p of Schlick's glossy part for b = 1.
@@ -34,7 +34,7 @@ enum Model {
 }
 
 /// A half vector and what belongs to it.
-struct Half {
+pub(super) struct Half {
     slope: [Wide; 2],
     light: Vector,
     view: Vector,
@@ -47,7 +47,7 @@ impl Half {
     }
 
     /// The view reflected about the normal of a slope.
-    fn reflected(slope: [Wide; 2], view: Vector) -> Self {
+    pub(super) fn reflected(slope: [Wide; 2], view: Vector) -> Self {
         let secant2 = slope[0].squared() + slope[1].squared() + 1.0;
         let rise = (dot([slope[0], slope[1], Wide::ONE], view) * 2.0) / secant2;
         Self { slope, light: [rise * slope[0] - view[0], rise * slope[1] - view[1], rise - view[2]], view }
@@ -69,6 +69,33 @@ impl Model {
         match self {
             Self::Ward(_, a, b) => (half.slope[0] / *a).squared() + (half.slope[1] / *b).squared() + 1.0,
             Self::Gloss(..) => Wide::ONE,
+        }
+    }
+
+    /// How a circle of uniform azimuths is stretched.
+    pub(super) fn stretch(&self) -> [Wide; 2] {
+        match self {
+            Self::Ward(_, a, b) => [*a, *b],
+            Self::Gloss(_, p) => [p.sqrt(), Wide::ONE],
+        }
+    }
+
+    /// A coordinate of finite range for a slope's length along an azimuth whose stretched length is given.
+    pub(super) fn chart(&self, epsilon: Wide, length: Wide) -> Wide {
+        match self {
+            Self::Ward(..) => (epsilon / length).min(Wide::from(7.0)),
+            Self::Gloss(r, _) => (epsilon / r.sqrt()).atan(),
+        }
+    }
+
+    /// The length for the coordinate, and the probability's derivative by it.
+    pub(super) fn unchart(&self, x: Wide, length: Wide) -> (Wide, Wide) {
+        match self {
+            Self::Ward(..) => (x * length, x * 2.0 * (-x.squared()).exp()),
+            Self::Gloss(r, _) => {
+                let (sin, cos) = x.sin_cos();
+                (r.sqrt() * sin / cos, sin * cos * 2.0)
+            }
         }
     }
 
@@ -112,7 +139,7 @@ impl Model {
     }
 
     /// f cos θ over the density of the half vector's method; 0 below the horizon.
-    fn weight(&self, half: &Half) -> Wide {
+    pub(super) fn weight(&self, half: &Half) -> Wide {
         if half.light[2] <= 0.0 {
             return Wide::ZERO;
         }
@@ -166,7 +193,7 @@ impl Model {
     }
 }
 
-fn wards<R: Real>(mut each: impl FnMut(Ward<R>, Model)) {
+pub(super) fn wards<R: Real>(mut each: impl FnMut(Ward<R>, Model)) {
     for variant in Variant::ALL {
         for [a, b] in [[0.1, 0.1], [0.02, 0.3], [1.0, 0.5]] {
             let (a, b) = (R::from_f64(a), R::from_f64(b));
@@ -369,7 +396,7 @@ pub fn lambert_invert<R: Real>(gauge: &mut Gauge) {
 }
 
 /// Schlick's models: the parameters in R, and the exact shares.
-fn schlicks<R: Real>(mut each: impl FnMut(Schlick<R>, Model, [Wide; 2])) {
+pub(super) fn schlicks<R: Real>(mut each: impl FnMut(Schlick<R>, Model, [Wide; 2])) {
     for [r, p] in [[0.02, 1.0], [0.1, 0.5], [0.3, 0.2], [0.5, 1.0], [0.8, 0.7], [1.0, 1.0]] {
         let (r, p) = (R::from_f64(r), R::from_f64(p));
         if let Ok(model) = Schlick::new(r, p) {
@@ -470,7 +497,7 @@ pub fn schlick_geometric<R: Real>(gauge: &mut Gauge) {
 }
 
 /// A coat over a body.
-fn glossy<R: Real>() -> Option<(Glossy<R>, Model, [Wide; 2])> {
+pub(super) fn glossy<R: Real>() -> Option<(Glossy<R>, Model, [Wide; 2])> {
     let [diffuse, specular, alpha] = [0.3, 0.5, 0.2].map(R::from_f64);
     let ward = Ward::new(Variant::Balanced, alpha, alpha).ok()?;
     let model = Model::Ward(Variant::Balanced, wide(alpha), wide(alpha));

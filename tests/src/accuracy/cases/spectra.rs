@@ -129,11 +129,11 @@ fn triangle<R: Real>(centre: R, width: R, power: R) -> impl Fn(Wide) -> Wide {
     }
 }
 
-/// A line at 589.3 nm, 4 nm wide.
+/// A line at 589.3 nm, 3.7 nm wide.
 pub fn line_segment<R: Real>(gauge: &mut Gauge) {
-    let [centre, width, power] = [589.3, 4.0, 2.5].map(R::from_f64);
+    let [centre, width, power] = [589.3, 3.7, 2.3].map(R::from_f64);
     let Ok(line) = Line::new(centre, width, power) else { return gauge.require(false) };
-    measure(gauge, &[587.3, 589.3, 591.3, 588.0, 590.7], &line, triangle(centre, width, power));
+    measure(gauge, &[587.45, 589.3, 591.15, 588.0, 590.7], &line, triangle(centre, width, power));
 }
 
 /// The largest value.
@@ -182,7 +182,7 @@ fn c2() -> Wide {
 
 /// Planck's law.
 pub fn planck_radiance<R: Real>(gauge: &mut Gauge) {
-    let axes = [Axis::log("λ", 100.0, 1e5).list(&[555.0]), Axis::log("T", 500.0, 1e5).list(&[2856.0, 6500.0])];
+    let axes = [Axis::log("λ", 30.0, 1e9).list(&[555.0]), Axis::log("T", 30.0, 1e6).list(&[2856.0, 6500.0])];
     gauge.each(&axes, |gauge, [w, t]: [R; 2]| {
         let Ok(body) = Planck::new(t, RadiationConstant::Si2019) else { return gauge.require(false) };
         let (exact, argument) = planck(wide(w), wide(t), c2());
