@@ -14,8 +14,8 @@ mod sealed {
 
 /// A binary floating-point scalar, `f32` or `f64`.
 ///
-/// Elementary functions are those of `libm`: `sqrt` is correctly rounded, the others are within 1 ULP of the exact
-/// value for arguments in their domain, and return NaN outside it, as IEEE 754 asks.
+/// Elementary functions are those of `libm`: `sqrt` and `cbrt` are correctly rounded, the others are within 1 ULP of the exact
+/// value (`atan2`: 1.1) for arguments in their domain, and return NaN outside it, as IEEE 754 asks.
 pub trait Real:
     sealed::Sealed
     + Copy

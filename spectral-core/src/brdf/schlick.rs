@@ -208,7 +208,7 @@ impl<R: Real> Schlick<R> {
 ///
 /// The spectral term S(u) isn't included. Sampled by the Lambertian part and by antithetic half vectors from Z (and an
 /// azimuth that A prefers); a model that is only specular (r ≤ ε) is sampled as a diffuse one, with weight 0. An isotropy
-/// below ε counts as ε here. The albedo is by quadrature, within 10⁻⁴.
+/// below ε counts as ε here. The albedo is by quadrature, within 10⁻⁴, absolutely.
 impl<R: Real> Brdf<R> for Schlick<R> {
     fn evaluate(&self, light: [R; 3], view: [R; 3]) -> R {
         self.with_mixture(|m| m.evaluate(light, view))

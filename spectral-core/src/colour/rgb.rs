@@ -124,8 +124,8 @@ pub fn encode_srgb<R: Real>(linear: R) -> R {
 
 /// The linear component of an sRGB code value in [0, 1]: the inverse of [`encode_srgb`].
 ///
-/// C = V / 12.92 for V ≤ 0.04045, and ((V + 0.055) / 1.055)^2.4 above; odd below 0. Accurate to 6 ε. The
-/// standard's constants are rounded: the curves invert each other but for a stretch of 1e-8 where the branches meet,
+/// C = V / 12.92 for V ≤ 0.04045, and ((V + 0.055) / 1.055)^2.4 above; odd below 0. Accurate to 6 ε up to 1, 10 ε
+/// up to 100. The standard's constants are rounded: the curves invert each other but for a stretch of 1e-8 where the branches meet,
 /// and there to 5e-9.
 ///
 /// Source: IEC 61966-2-1:1999.

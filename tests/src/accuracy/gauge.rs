@@ -143,7 +143,6 @@ const COMBINATIONS: usize = 1500;
 pub struct Gauge {
     unit: Unit,
     effort: f64,
-    least: f64,
     rng: Rng,
     choice: Choice,
     point: Vec<f64>,
@@ -169,9 +168,8 @@ impl Gauge {
     /// For a unit, and random numbers of its own.
     #[must_use]
     pub fn new(unit: Unit, seed: u64) -> Self {
-        let found =
-            Found { worst: 0.0, choice: Choice::List, point: Vec::new(), points: 0, domain: String::new() };
-        Self { unit, effort: 1.0, least: 24.0, rng: Rng::new(seed), choice: Choice::List, point: Vec::new(), found }
+        let found = Found { worst: 0.0, choice: Choice::List, point: Vec::new(), points: 0, domain: String::new() };
+        Self { unit, effort: 1.0, rng: Rng::new(seed), choice: Choice::List, point: Vec::new(), found }
     }
 
     /// What was found.
@@ -188,11 +186,6 @@ impl Gauge {
     /// How many points to measure, as a share of the usual number.
     pub fn effort(&mut self, share: f64) {
         self.effort = share;
-    }
-
-    /// The least number of points by a grid and at random, whatever the effort; 24 else.
-    pub fn few(&mut self, points: u64) {
-        self.least = points as f64;
     }
 
     /// Something to say of the domain beside the axes.
@@ -234,7 +227,7 @@ impl Gauge {
     }
 
     fn budget(&self) -> u64 {
-        (POINTS * self.effort).max(self.least) as u64
+        (POINTS * self.effort).max(24.0) as u64
     }
 
     fn anywhere<R: Real, const N: usize>(&mut self, axes: &[Axis; N]) -> [R; N] {
@@ -257,7 +250,7 @@ impl Gauge {
     fn lists<R: Real, const N: usize>(&mut self, axes: &[Axis; N], measure: &mut impl FnMut(&mut Self, [R; N])) {
         self.choice = Choice::List;
         let all: usize = axes.iter().map(|axis| axis.list.len()).product();
-        let most = (COMBINATIONS as f64 * self.effort).max(2.5 * self.least).to_usize();
+        let most = (COMBINATIONS as f64 * self.effort).max(64.0).to_usize();
         for index in 0..all.min(most) {
             let mut rest = index;
             let point = core::array::from_fn(|i| {
@@ -272,11 +265,7 @@ impl Gauge {
 
     fn walks<R: Real, const N: usize>(&mut self, axes: &[Axis; N], measure: &mut impl FnMut(&mut Self, [R; N])) {
         self.choice = Choice::Edge;
-        let walk = match self.effort {
-            effort if effort < 0.01 => 1,
-            effort if effort < 0.5 => WALK / 4,
-            _ => WALK,
-        };
+        let walk = if self.effort < 0.5 { WALK / 4 } else { WALK };
         for (i, axis) in axes.iter().enumerate() {
             for edge in &axis.edges {
                 let (mut up, mut down) = (R::from_f64(*edge), R::from_f64(*edge));

@@ -59,7 +59,8 @@ impl Measured {
                 ));
             }
             let stale = found.worst * SLACK < tolerance;
-            stale.then(|| format!("{name} ({precision}): the tolerance {tolerance:.3e} is stale at {:.3e}", found.worst))
+            stale
+                .then(|| format!("{name} ({precision}): the tolerance {tolerance:.3e} is stale at {:.3e}", found.worst))
         };
         each.filter_map(complaint).collect()
     }

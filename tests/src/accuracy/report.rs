@@ -29,7 +29,9 @@ pub fn markdown(measured: &[Measured]) -> Result<String, String> {
     let functions = scan::public_functions()?;
     let mut text = HEAD.to_owned();
     for name in scan::CRATES {
-        text += &format!("\n## {name}\n\n| function | counted in | `f32` | `f64` | points | domain |\n|---|---|---|---|---|---|\n");
+        text += &format!(
+            "\n## {name}\n\n| function | counted in | `f32` | `f64` | points | domain |\n|---|---|---|---|---|---|\n"
+        );
         for row in measured.iter().filter(|row| functions.get(row.entry.name) == Some(&name)) {
             text += &line(row);
         }

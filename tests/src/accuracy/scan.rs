@@ -23,9 +23,9 @@ pub fn public_functions() -> Result<BTreeMap<String, &'static str>, String> {
         let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..").join(name).join("src");
         let mut modules = Vec::new();
         collect(&root.join("lib.rs"), &root, &[], &mut modules)?;
-        let traits: BTreeSet<String> = modules.iter().flat_map(|(_, items)| public_traits(items)).collect();
+        let public: BTreeSet<String> = modules.iter().flat_map(|(_, items)| public_names(items)).collect();
         for (path, items) in &modules {
-            for function in items.iter().flat_map(|item| functions(item, &traits)) {
+            for function in items.iter().flat_map(|item| functions(item, &public)) {
                 found.insert(path.iter().cloned().chain([function]).collect::<Vec<_>>().join("::"), name);
             }
         }
@@ -68,36 +68,42 @@ fn collect(file: &Path, folder: &Path, path: &[String], modules: &mut Vec<Module
     Ok(())
 }
 
-fn public_traits(items: &[Item]) -> Vec<String> {
-    let name = |item: &Item| match item {
-        Item::Trait(item) if matches!(item.vis, Visibility::Public(_)) => Some(item.ident.to_string()),
-        _ => None,
+/// The traits and types that a module makes public.
+fn public_names(items: &[Item]) -> Vec<String> {
+    let name = |item: &Item| {
+        let (visibility, name) = match item {
+            Item::Trait(item) => (&item.vis, &item.ident),
+            Item::Struct(item) => (&item.vis, &item.ident),
+            Item::Enum(item) => (&item.vis, &item.ident),
+            _ => return None,
+        };
+        matches!(visibility, Visibility::Public(_)).then(|| name.to_string())
     };
     items.iter().filter_map(name).collect()
 }
 
 /// The functions of an item, by name within its module.
-fn functions(item: &Item, traits: &BTreeSet<String>) -> Vec<String> {
+fn functions(item: &Item, public: &BTreeSet<String>) -> Vec<String> {
     match item {
         Item::Fn(item) if matches!(item.vis, Visibility::Public(_)) => vec![item.sig.ident.to_string()],
-        Item::Trait(item) if traits.contains(&item.ident.to_string()) => {
+        Item::Trait(item) if public.contains(&item.ident.to_string()) => {
             let name = |function: &TraitItem| match function {
                 TraitItem::Fn(function) => Some(format!("{}::{}", item.ident, function.sig.ident)),
                 _ => None,
             };
             item.items.iter().filter_map(name).collect()
         }
-        Item::Impl(item) => methods(item, traits),
+        Item::Impl(item) => methods(item, public),
         _ => Vec::new(),
     }
 }
 
-/// The public methods of an implementation; those of a reference are the referent's.
-fn methods(item: &ItemImpl, traits: &BTreeSet<String>) -> Vec<String> {
+/// The public methods of an implementation for a public type; those of a reference are the referent's.
+fn methods(item: &ItemImpl, public: &BTreeSet<String>) -> Vec<String> {
     let Type::Path(of) = &*item.self_ty else { return Vec::new() };
     let Some(of) = of.path.segments.last().map(|segment| segment.ident.to_string()) else { return Vec::new() };
     let of_trait = item.trait_.as_ref().and_then(|(_, path, _)| path.segments.last()).map(|s| s.ident.to_string());
-    if of_trait.as_ref().is_some_and(|name| !traits.contains(name)) {
+    if !public.contains(&of) || of_trait.as_ref().is_some_and(|name| !public.contains(name)) {
         return Vec::new();
     }
     let name = |function: &ImplItem| match function {

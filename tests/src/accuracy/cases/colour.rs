@@ -301,7 +301,11 @@ pub(super) fn ciede2000(first: [Wide; 3], second: [Wide; 3], [k_l, k_c, k_h]: [W
     let grey = c[0] * c[1] == 0.0;
     let turn = h[1] - h[0];
     // Of opposite hues the difference is 180° exactly, whatever rounding makes of it.
-    let turn = if (turn.abs() - 180.0).abs() < 1e-24 { if turn < 0.0 { Wide::from(-180.0) } else { Wide::from(180.0) } } else { turn };
+    let turn = if (turn.abs() - 180.0).abs() < 1e-24 {
+        if turn < 0.0 { Wide::from(-180.0) } else { Wide::from(180.0) }
+    } else {
+        turn
+    };
     let opposite = if grey { 180.0 } else { (turn.abs() - 180.0).abs().to_f64() };
     let difference = match turn {
         _ if grey => Wide::ZERO,

@@ -97,7 +97,8 @@ pub fn atan2<R: Real>(gauge: &mut Gauge) {
 /// √(x² + y²).
 pub fn hypot<R: Real>(gauge: &mut Gauge) {
     let ends = if R::EPSILON.to_f64() > 1e-10 { [1e-30, 1e37] } else { [1e-250, 1e300] };
-    let axes = [Axis::signed("x", ends[0], ends[1]).list(&[3.0, 5.0]), Axis::signed("y", ends[0], ends[1]).list(&[4.0, 12.0])];
+    let axes =
+        [Axis::signed("x", ends[0], ends[1]).list(&[3.0, 5.0]), Axis::signed("y", ends[0], ends[1]).list(&[4.0, 12.0])];
     gauge.each(&axes, |gauge, [x, y]: [R; 2]| gauge.compare(x.hypot(y), wide(x).hypot(wide(y))));
     let near = [Axis::log("x", 0.1, 10.0), Axis::log("y", 0.1, 10.0)];
     gauge.each(&near, |gauge, [x, y]: [R; 2]| gauge.compare(x.hypot(y), wide(x).hypot(wide(y))));

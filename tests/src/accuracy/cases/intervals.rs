@@ -251,20 +251,28 @@ pub fn sum_first_order<R: Real>(gauge: &mut Gauge) {
 /// c m and c e.
 pub fn scale_first_order<R: Real>(gauge: &mut Gauge) {
     let c = R::from_f64(0.3);
-    first_order::<R>(gauge, |a, _| a.scale_first_order(c), |[m, _], [e, _]| {
-        let c = wide(c);
-        [[m * c, m * c], [e * c, e * c]]
-    });
+    first_order::<R>(
+        gauge,
+        |a, _| a.scale_first_order(c),
+        |[m, _], [e, _]| {
+            let c = wide(c);
+            [[m * c, m * c], [e * c, e * c]]
+        },
+    );
 }
 
 /// m + (1 − m) f and (1 − f) e.
 pub fn schlick_first_order<R: Real>(gauge: &mut Gauge) {
     let f = R::from_f64(0.3);
-    first_order::<R>(gauge, |_, b| b.schlick_first_order(f), |[_, n], [_, e]| {
-        let f = wide(f);
-        let mean = n + (1.0 - n) * f;
-        [[mean, n.abs() + f], [e * (1.0 - f), e * (1.0 - f)]]
-    });
+    first_order::<R>(
+        gauge,
+        |_, b| b.schlick_first_order(f),
+        |[_, n], [_, e]| {
+            let f = wide(f);
+            let mean = n + (1.0 - n) * f;
+            [[mean, n.abs() + f], [e * (1.0 - f), e * (1.0 - f)]]
+        },
+    );
 }
 
 /// A light times a paint as a program, to a threshold; the colour's error over its radius.
@@ -282,7 +290,8 @@ fn evaluations<R: Real>(
             let [first, second] = &mut buffers;
             let leaves = (Pyramid::build(&spectra.0, domain, first), Pyramid::build(&spectra.1, domain, second));
             let (Ok(a), Ok(b)) = leaves else { return gauge.require(false) };
-            let white = spectral_core::tristimulus(domain.observer(), &spectra.0, R::from_f64(380.0), R::from_f64(780.0));
+            let white =
+                spectral_core::tristimulus(domain.observer(), &spectra.0, R::from_f64(380.0), R::from_f64(780.0));
             let lines = (Polyline::of_table(light, false), Polyline::of_table(paint, true));
             let exact = exactly(&[&lines.0, &lines.1], cmf, Node::ROOT);
             let Some((xyz, radius)) = run(domain, &program, white, &mut [a, b]) else { return gauge.require(false) };
@@ -356,7 +365,8 @@ fn corners(xyz: [Wide; 3], radius: [Wide; 3], white: [Wide; 3]) -> Wide {
     };
     let centre = lab(xyz);
     (0..8).fold(Wide::ZERO, |most, bits| {
-        let corner = lab(core::array::from_fn(|a| if bits >> a & 1 == 0 { xyz[a] - radius[a] } else { xyz[a] + radius[a] }));
+        let corner =
+            lab(core::array::from_fn(|a| if bits >> a & 1 == 0 { xyz[a] - radius[a] } else { xyz[a] + radius[a] }));
         let square = (0..3).fold(Wide::ZERO, |sum, i| sum + (corner[i] - centre[i]).squared());
         most.max(square.sqrt())
     })

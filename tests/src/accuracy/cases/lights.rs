@@ -4,7 +4,7 @@ use spectral_core::action::{ActionSpectra, CIRCADIAN_XYZ, Projection, RADIANCE_R
 use spectral_core::adaptation::{Adaptation, BRADFORD, Cie1994, Cie1994Conditions, VON_KRIES, von_kries_uv};
 use spectral_core::cct::{LocusTable, PlanckianLocus, correlated_colour_temperature, xyz_to_uv};
 use spectral_core::colour::{self, xyz};
-use spectral_core::colour_rendering::{self as rendering, Cri00, Rendering, ReferenceKind, ReferenceLight};
+use spectral_core::colour_rendering::{self as rendering, Cri00, ReferenceKind, ReferenceLight, Rendering};
 use spectral_core::light::{self, FidelityMeter, IndexMeter, LightMeter};
 use spectral_core::spectrum::{Outside, RadiationConstant};
 use spectral_core::summation::{DirectColours, Illuminated, PreparedColours, SumGrid, TestColours};
@@ -97,7 +97,7 @@ fn slope(sums: &Sums, point: [Wide; 2], mired: Wide) -> Wide {
     (0..2).fold(Wide::ZERO, |sum, i| sum + (here[i] - point[i]) * (after[i] - before[i]))
 }
 
-/// Temperature and distance of the nearest point of the locus, by the secant method from 12 000 starts, coarsely; `None` at its ends.
+/// Temperature and distance of the nearest point of the locus, by the secant method about the nearest of 64 points; `None` at its ends.
 fn nearest(sums: &Sums, point: [Wide; 2]) -> Option<(Wide, Wide)> {
     let coarse = |index: usize| 15.0 * libm_power(130.0, index as f64 / 63.0);
     let distance = |mired: f64| {
@@ -642,7 +642,11 @@ pub fn light_meter_chromaticity<R: Real>(gauge: &mut Gauge) {
 fn cam02(white: Colour, xyz: Colour) -> Colour {
     let d = Wide::decimal;
     let row = |texts: [&str; 3]| texts.map(Wide::decimal);
-    let cat = [row(["0.7328", "0.4296", "-0.1624"]), row(["-0.7036", "1.6975", "0.0061"]), row(["0.0030", "0.0136", "0.9834"])];
+    let cat = [
+        row(["0.7328", "0.4296", "-0.1624"]),
+        row(["-0.7036", "1.6975", "0.0061"]),
+        row(["0.0030", "0.0136", "0.9834"]),
+    ];
     let hpe = [row(["0.38971", "0.68898", "-0.07868"]), row(["-0.22981", "1.18340", "0.04641"]), row(["0", "0", "1"])];
     let k = 1.0 / Wide::from(501.0);
     let level = k.powi(4) * 500.0 / 5.0 + (1.0 - k.powi(4)).squared() * Wide::from(500.0).cbrt() / 10.0;
@@ -677,9 +681,8 @@ fn cam02(white: Colour, xyz: Colour) -> Colour {
 fn exact_fidelity(test: &Lit, reference: &Lit) -> [Wide; 2] {
     let place = |lit: &Lit| lit.samples.iter().map(|xyz| cam02(lit.white, *xyz)).collect::<Vec<_>>();
     let (a, b) = (place(test), place(reference));
-    let difference = |(p, q): (&Colour, &Colour)| {
-        (0..3).fold(Wide::ZERO, |sum, i| sum + (p[i] - q[i]).squared()).sqrt()
-    };
+    let difference =
+        |(p, q): (&Colour, &Colour)| (0..3).fold(Wide::ZERO, |sum, i| sum + (p[i] - q[i]).squared()).sqrt();
     let sum = a.iter().zip(&b).map(difference).fold(Wide::ZERO, |sum, d| sum + d);
     let linear = 100.0 - Wide::decimal("6.73") * sum / a.len() as f64;
     let rf = ((linear / 10.0).exp() + 1.0).ln() * 10.0;
@@ -700,6 +703,28 @@ fn exact_fidelity(test: &Lit, reference: &Lit) -> [Wide; 2] {
         (0..16).fold(Wide::ZERO, |sum, s| sum + at(s)[0] * at(s + 1)[1] - at(s)[1] * at(s + 1)[0])
     };
     [rf, area(&corners[0]) / area(&corners[1]) * 100.0]
+}
+
+/// R_f and R_g from given tristimulus values.
+pub fn fidelity<R: Real>(gauge: &mut Gauge) {
+    gauge.note(LAMPS);
+    let (observer, samples) =
+        (GRID.observer::<R>(&observers::CIE_1964_10), rendering::colour_evaluation_samples::<R>());
+    let colours = DirectColours::new(GRID, &observer, &samples);
+    let (narrow, sums) = (Sums::new(), Sums::of(&observers::CIE_1964_10));
+    for light in lights::<R>() {
+        let exact = exact_light(&light);
+        let Some((temperature, _)) = nearest(&narrow, uv(narrow.xyz(&exact))) else { return gauge.require(false) };
+        let reference = blended(&sums, temperature);
+        let reference = core::array::from_fn(|i| R::from_f64(reference[i].to_f64()));
+        let (Some(test), Some(reference)) = (colours.illuminate(&light), colours.illuminate(&reference)) else {
+            return gauge.require(false);
+        };
+        let (found, exact) =
+            (rendering::fidelity(&test, &reference), exact_fidelity(&Lit::of(&test), &Lit::of(&reference)));
+        gauge.compare(found.rf, exact[0]);
+        gauge.compare(found.rg, exact[1]);
+    }
 }
 
 /// A black body to 4000 K, daylight from 5000 K, a blend of equal luminances between.
@@ -726,7 +751,9 @@ pub fn fidelity_reference<R: Real>(gauge: &mut Gauge) {
     let sums = Sums::of(&observers::CIE_1964_10);
     let axes = [Axis::linear("T", 1000.0, 25_000.0).edges(&[4000.0, 5000.0]).list(&[4500.0])];
     gauge.each(&axes, |gauge, [t]: [R; 1]| {
-        let Some(found) = rendering::fidelity_reference(t, GRID, &locus, &observer) else { return gauge.require(false) };
+        let Some(found) = rendering::fidelity_reference(t, GRID, &locus, &observer) else {
+            return gauge.require(false);
+        };
         let exact = blended(&sums, wide(t));
         let largest = exact.iter().fold(Wide::ZERO, |m, x| m.max(*x));
         for (got, exact) in found.into_iter().zip(exact) {
@@ -816,8 +843,7 @@ fn projected<R: Real>(observer: &[[R; 3]; N], weighting: &Weighting<R, N>) -> (C
     let inner = |a: &[Wide], b: &[Wide]| a.iter().zip(b).fold(Wide::ZERO, |sum, (a, b)| sum + *a * *b);
     let gram = core::array::from_fn(|i| core::array::from_fn(|j| inner(&columns[i], &columns[j])));
     let k = apply(&inverse(&gram), core::array::from_fn(|i| inner(&columns[i], &weights)));
-    let rest: Vec<Wide> =
-        (0..N).map(|n| weights[n] - dot(k, [columns[0][n], columns[1][n], columns[2][n]])).collect();
+    let rest: Vec<Wide> = (0..N).map(|n| weights[n] - dot(k, [columns[0][n], columns[1][n], columns[2][n]])).collect();
     (k, (inner(&rest, &rest) / inner(&weights, &weights)).sqrt())
 }
 

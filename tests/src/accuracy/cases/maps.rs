@@ -249,7 +249,9 @@ pub fn disk_frame<R: Real>(gauge: &mut Gauge) {
         let Some(disk) = disk(values) else { return };
         let ([u, v], n) = (disk.frame().map(wides), wides(disk.normal()));
         let dot = crate::accuracy::wide::dot;
-        for (product, exact) in [(dot(u, u), 1.0), (dot(v, v), 1.0), (dot(u, v), 0.0), (dot(u, n), 0.0), (dot(v, n), 0.0)] {
+        for (product, exact) in
+            [(dot(u, u), 1.0), (dot(v, v), 1.0), (dot(u, v), 0.0), (dot(u, n), 0.0), (dot(v, n), 0.0)]
+        {
             gauge.record((product - exact).abs().to_f64() / R::EPSILON.to_f64());
         }
     });

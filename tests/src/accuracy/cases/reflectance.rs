@@ -106,7 +106,8 @@ impl Model {
             Self::Gloss(r, p) => {
                 // Azimuths by √p/(2π (cos² + p sin²)) in the frame where x is the short one, ε² by r/(r + ε²)².
                 let square = x.squared() + y.squared();
-                let preference = if square == 0.0 { 1.0 / p.sqrt() } else { p.sqrt() * square / (x.squared() + *p * y.squared()) };
+                let preference =
+                    if square == 0.0 { 1.0 / p.sqrt() } else { p.sqrt() * square / (x.squared() + *p * y.squared()) };
                 preference * *r / ((*r + square).squared() * Wide::PI)
             }
         }
@@ -252,7 +253,11 @@ pub fn ward_trigonometric<R: Real>(gauge: &mut Gauge) {
             let half = Half::new(exact(polar, azimuth), exact(tilt, turn));
             if model.growth(&half) < 60.0 {
                 let value = model.value(&half);
-                gauge.compare_to(ward.trigonometric([polar, azimuth], [tilt, turn]), value, value * model.growth(&half));
+                gauge.compare_to(
+                    ward.trigonometric([polar, azimuth], [tilt, turn]),
+                    value,
+                    value * model.growth(&half),
+                );
             }
         });
     });

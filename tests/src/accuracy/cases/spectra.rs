@@ -252,7 +252,8 @@ pub fn daylight_nominal<R: Real>(gauge: &mut Gauge) {
 
 /// S₀ + M₁S₁ + M₂S₂, in ULP of the three terms.
 fn measure_daylight<R: Real>(gauge: &mut Gauge, value: impl Fn(&Daylight<R>, R) -> R) {
-    let basis = [&tables::daylight::S0, &tables::daylight::S1, &tables::daylight::S2].map(|t| Polyline::of_table(t, false));
+    let basis =
+        [&tables::daylight::S0, &tables::daylight::S1, &tables::daylight::S2].map(|t| Polyline::of_table(t, false));
     let wavelength = Axis::linear("λ", 300.0, 829.9).edges(&[380.0, 560.0, 780.0]);
     gauge.each(&[wavelength, temperature()], |gauge, [w, t]: [R; 2]| {
         let Ok(light) = Daylight::new(t, Rounding::None) else { return gauge.require(false) };
@@ -276,7 +277,8 @@ pub fn daylight_segment<R: Real>(gauge: &mut Gauge) {
 /// x̄, ȳ, z̄ between the table's nodes.
 pub fn observer_value<R: Real>(gauge: &mut Gauge) {
     gauge.note("1931 and 1964");
-    let both = [(Observer::cie_1931_2deg(), &observers::CIE_1931_2), (Observer::cie_1964_10deg(), &observers::CIE_1964_10)];
+    let both =
+        [(Observer::cie_1931_2deg(), &observers::CIE_1931_2), (Observer::cie_1964_10deg(), &observers::CIE_1964_10)];
     for (observer, table) in both {
         let lines = Polyline::of_observer(table);
         let axis = Axis::linear("λ", 350.0, 840.0).edges(&[360.0, 555.0, 830.0]);
@@ -304,7 +306,8 @@ pub fn integrals<R: Real>(gauge: &mut Gauge) {
     let (observer, lines) = (Observer::<R>::cie_1931_2deg(), Polyline::of_observer(&observers::CIE_1931_2));
     for table in LIGHTS {
         let (spectrum, light) = (table.spectrum::<R>(Outside::Zero), Polyline::of_table(table, false));
-        let limits = [Axis::linear("from", 380.0, 600.0).list(&[500.0]), Axis::log("width", 0.01, 180.0).list(&[180.0])];
+        let limits =
+            [Axis::linear("from", 380.0, 600.0).list(&[500.0]), Axis::log("width", 0.01, 180.0).list(&[180.0])];
         gauge.each(&limits, |gauge, [from, width]: [R; 2]| {
             let to = from + width;
             let exact = lines.each_ref().map(|cmf| integral(&[&light, cmf], [from.to_f64(), to.to_f64()]));
