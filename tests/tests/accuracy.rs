@@ -1,7 +1,9 @@
 //! The accuracy table: every public numeric function is measured, every figure is within its tolerance, and the committed table is current.
 #![allow(clippy::unwrap_used, reason = "the input is constant")]
 
-use std::collections::BTreeSet;
+extern crate alloc;
+
+use alloc::collections::BTreeSet;
 use std::path::Path;
 use std::sync::LazyLock;
 

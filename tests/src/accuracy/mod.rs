@@ -19,6 +19,9 @@
     clippy::cast_sign_loss,
     reason = "indices of grids and seeds are small, and conversions of random bits are meant to wrap"
 )]
+#![allow(clippy::approx_constant, reason = "limits of domains are round numbers")]
+#![allow(clippy::needless_range_loop, reason = "formulas with indices are written with them")]
+#![allow(clippy::type_complexity, reason = "closures that measure take what is measured")]
 
 pub mod cases;
 pub mod gauge;

@@ -17,8 +17,9 @@ Written by `cargo run --release -p spectral-tests --bin accuracy_table`, from th
 [`tests/src/accuracy/table.rs`](src/accuracy/table.rs); `cargo test --release -p spectral-tests --test accuracy` fails when this file is not
 current, when an error is above its tolerance or a tolerance more than three times the error, and when a public function is missing.
 
-Points are special values (L), numbers within 12 units in the last place of domain limits, branch points and joints (E), grids (S) and
-seeded random numbers (R); the letter says where the largest error was. *ULP*: units in the last place of the exact result.
+Points are special values and lists (L), numbers within 12 units in the last place of domain limits, branch points and joints (E; 3 where a
+function is costly), grids (S) and seeded random numbers (R); the letter says where the largest error was. *ULP*: units in the last place of the
+exact result, at least those of the least normal number.
 ";
 
 /// The whole file.
@@ -45,12 +46,21 @@ fn line(row: &Measured) -> String {
     format!(
         "| `{}` | {} | {} | {} | {} | {} |\n",
         row.entry.name,
-        unit(row.entry.unit),
+        escaped(&unit(row.entry.unit)),
         figure(single),
         figure(double),
         double.points,
-        double.domain.replace('|', "\\|").replace('*', "\\*"),
+        escaped(&domain(&single.domain, &double.domain)),
     )
+}
+
+fn escaped(text: &str) -> String {
+    text.replace('|', "\\|").replace('*', "\\*")
+}
+
+/// Both, where they differ by the range of numbers.
+fn domain(single: &str, double: &str) -> String {
+    if single == double { double.into() } else { format!("f32: {single}; f64: {double}") }
 }
 
 fn unit(unit: Unit) -> String {

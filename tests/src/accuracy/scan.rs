@@ -1,6 +1,6 @@
 //! The public functions of the core crates, read from their sources: what the table must be complete for.
 
-use std::collections::{BTreeMap, BTreeSet};
+use alloc::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 

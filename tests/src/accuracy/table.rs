@@ -127,7 +127,7 @@ entries! {
     "subdivision::Subdivision::at_scale" OfBound, [1.0, 1.0] intervals::recorded;
     "bound::delta_e_bound" Relative, [8e-3, 2e-10] intervals::delta_e_bound;
     "bound::delta_e_majorant" Relative, [0.5, 0.6] intervals::delta_e_majorant;
-    "threshold_table::ThresholdTable::tolerance" Absolute("ΔE\\*ab"), [1.0, 1.0] intervals::threshold_tolerance;
+    "threshold_table::ThresholdTable::tolerance" Absolute("ΔE*ab"), [1.0, 1.0] intervals::threshold_tolerance;
 
     "summation::SumGrid::sample" Ulp, [1.5, 1.5] lights::sampled_values;
     "summation::tristimulus_sum" Ulp, [4.0, 5.0] lights::tristimulus_sums;
