@@ -92,7 +92,7 @@ fn the_oracles_arithmetic_has_thirty_digits() {
 fn gauges_find_what_is_wrong() {
     let measured = |unit, function: &dyn Fn(f64) -> f64| {
         let mut gauge = Gauge::new(unit, 1);
-        let axis = Axis::linear("x", 0.0, 4.0).edges(&[2.0]);
+        let axis = Axis::linear("x", 1.0, 4.0).edges(&[2.0]);
         gauge.each(&[axis], |gauge, [x]: [f64; 1]| gauge.compare(function(x), wide(x)));
         gauge.found()
     };
