@@ -166,7 +166,7 @@ pub fn divisor<R: Real>(gauge: &mut Gauge) {
         let transfer = tensor.transfer().map(wides);
         let [r, g, b] = wides(d);
         let differences = [(r - g).abs(), (g - b).abs(), (b - r).abs()];
-        let norm = |rows: [Wide; 3]| rows.into_iter().fold(Wide::ZERO, |m, x| m.max(x));
+        let norm = |rows: [Wide; 3]| rows.into_iter().fold(Wide::ZERO, Wide::max);
         let sizes = core::array::from_fn(|c| wides(d)[c].abs() + dot(transfer[c].map(Wide::abs), differences) * 2.0);
         let back = inverse(&material(k, wides(d))).map(|row| row.into_iter().fold(Wide::ZERO, |s, x| s + x.abs()));
         let exact = norm(sizes) * norm(back);

@@ -195,7 +195,7 @@ pub fn hexagon_to_disk<R: Real>(gauge: &mut Gauge) {
     let axes = ["x", "y"].map(|name| Axis::linear(name, -inside, inside).edges(&[0.0]).list(&[1e-9, 0.5]));
     gauge.note("within the apothem, 0.95");
     gauge.each(&axes, |gauge, point: [R; 2]| {
-        let [x, y] = point.map(|x| x.to_f64());
+        let [x, y] = point.map(R::to_f64);
         if x.hypot(y) <= inside {
             compare(gauge, ds::hexagon_to_disk(point), hexagonal(wides(point)));
         }

@@ -266,7 +266,7 @@ fn measure_daylight<R: Real>(gauge: &mut Gauge, value: impl Fn(&Daylight<R>, R) 
 
 /// The spectrum of daylight.
 pub fn daylight_value<R: Real>(gauge: &mut Gauge) {
-    measure_daylight::<R>(gauge, |light, w| light.value(w));
+    measure_daylight::<R>(gauge, Spectrum::value);
 }
 
 /// The spectrum of daylight.
