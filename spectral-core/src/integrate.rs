@@ -44,8 +44,12 @@ impl<R: Real> Piece<R> {
     }
 
     fn channel(&self, a: usize) -> [R; 2] {
-        let [first, last] = &self.cmf;
-        [first[a], last[a]]
+        // Not by index: a panic would stay where this is not inlined.
+        self.cmf.map(|[x, y, z]| match a {
+            0 => x,
+            1 => y,
+            _ => z,
+        })
     }
 
     /// ∫ S ā.

@@ -27,13 +27,19 @@ impl<R: Real, const W: usize> Lanes<R, W> {
     }
 
     #[inline(always)]
-    pub(crate) fn map(self, f: impl Fn(R) -> R) -> Self {
-        Self(core::array::from_fn(|lane| f(self.0[lane])))
+    pub(crate) fn map(mut self, f: impl Fn(R) -> R) -> Self {
+        for lane in &mut self.0 {
+            *lane = f(*lane);
+        }
+        self
     }
 
     #[inline(always)]
-    fn zip(self, other: Self, f: impl Fn(R, R) -> R) -> Self {
-        Self(core::array::from_fn(|lane| f(self.0[lane], other.0[lane])))
+    fn zip(mut self, other: Self, f: impl Fn(R, R) -> R) -> Self {
+        for (lane, other) in self.0.iter_mut().zip(other.0) {
+            *lane = f(*lane, other);
+        }
+        self
     }
 
     #[inline(always)]
@@ -55,7 +61,11 @@ impl<R: Real, const W: usize> Lanes<R, W> {
     /// `yes` where a lane is above `limit`, else `no`.
     #[inline(always)]
     pub(crate) fn if_above(self, limit: R, yes: Self, no: Self) -> Self {
-        Self(core::array::from_fn(|lane| if self.0[lane] > limit { yes.0[lane] } else { no.0[lane] }))
+        let mut chosen = no;
+        for ((chosen, yes), lane) in chosen.0.iter_mut().zip(yes.0).zip(self.0) {
+            *chosen = if lane > limit { yes } else { *chosen };
+        }
+        chosen
     }
 
     /// Σ cₖ xᵏ from pairs of coefficients of even and odd powers, which are summed apart: that halves the chain of dependent

@@ -59,6 +59,7 @@ extern crate std;
 pub mod action;
 pub mod adaptation;
 pub mod adaptive;
+mod array;
 pub mod bilinear;
 pub mod bound;
 pub mod brdf;

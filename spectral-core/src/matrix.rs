@@ -1,6 +1,7 @@
 //! Three linear equations, solved by orthogonal rotations: backward stable without pivoting.
 
 use crate::Real;
+use crate::array::transposed;
 
 /// A 3 × 3 matrix, row by row.
 pub(crate) type Matrix<R> = [[R; 3]; 3];
@@ -51,7 +52,7 @@ impl<R: Real> Factored<R> {
     pub(crate) fn inverse(&self) -> Matrix<R> {
         let (o, i) = (R::ZERO, R::ONE);
         let columns = [[i, o, o], [o, i, o], [o, o, i]].map(|unit| self.solve(unit));
-        core::array::from_fn(|row| core::array::from_fn(|column| columns[column][row]))
+        transposed(columns)
     }
 }
 

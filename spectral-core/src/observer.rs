@@ -1,6 +1,7 @@
 //! Colour-matching functions.
 
 use crate::Real;
+use crate::array::zip;
 use crate::spectrum::interpolate;
 use crate::tables::{ObserverTable, observers};
 
@@ -115,7 +116,7 @@ impl<'a, R: Real> Observer<'a, R> {
         let at = move |position: R| {
             let [first, second] = nodes;
             let (below, above) = (position - start, end - position);
-            core::array::from_fn(|a| interpolate(first[a], second[a], below, above))
+            zip(first, second, |first, second| interpolate(first, second, below, above))
         };
         (end, at)
     }

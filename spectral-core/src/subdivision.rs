@@ -2,6 +2,7 @@
 
 use crate::Real;
 use crate::adaptive::{Criterion, Mode, Piece, Status, Total, refine};
+use crate::array::zip;
 use crate::bound::{ColourBound, delta_e_bound, delta_e_majorant, delta_e_majorant_up_to};
 use crate::expression::{ExpressionError, Program, Sources};
 use crate::interval::{Domain, Interval, Weight};
@@ -101,8 +102,8 @@ impl<'a, R: Real> Subdivision<'a, R> {
         };
         let xyz = stage.xyz.map(|v| v * scale);
         let rounding = R::TWO * R::EPSILON;
-        let radius = core::array::from_fn(|a| {
-            stage.radius[a] * scale * (R::ONE + rounding) + (rounding * xyz[a].abs() + R::MIN_POSITIVE)
+        let radius = zip(stage.radius, xyz, |radius, value| {
+            radius * scale * (R::ONE + rounding) + (rounding * value.abs() + R::MIN_POSITIVE)
         });
         Scaled { xyz, radius, delta_e: delta_e_majorant(xyz, radius, self.white), intervals: place + 1 }
     }
@@ -137,9 +138,9 @@ fn max_scale<R: Real>(xyz: [R; 3], radius: [R; 3], white: [R; 3], threshold: R) 
     let enough = |scale: R| {
         let scaled = xyz.map(|v| v * scale);
         // At least what a look-up adds for its own rounding.
-        let reach = core::array::from_fn(|a| {
-            radius[a] * scale * (R::ONE + R::from_f64(4.0) * R::EPSILON)
-                + R::from_f64(4.0) * R::EPSILON * scaled[a].abs()
+        let reach = zip(radius, scaled, |radius, scaled| {
+            radius * scale * (R::ONE + R::from_f64(4.0) * R::EPSILON)
+                + R::from_f64(4.0) * R::EPSILON * scaled.abs()
                 + R::from_f64(4.0) * R::MIN_POSITIVE
         });
         delta_e_majorant_up_to(scaled, reach, white) <= threshold

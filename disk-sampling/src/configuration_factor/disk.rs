@@ -6,7 +6,7 @@ use super::cone::{Cone, Horizon};
 use super::double_word::{DoubleWord, WideVector, wide_cross, wide_difference, wide_dot, widened};
 use super::scale::power_of_two;
 use crate::shape::{Disk, Receiver};
-use crate::vector::{Vector, cross, dot, length};
+use crate::vector::{Vector, cross, dot, length, scale, subtract};
 
 /// The configuration factor from a receiver to a disk, clipped at the receiver's horizon: irradiance over π times the disk's radiance,
 /// or illuminance over the disk's luminous exitance.
@@ -141,7 +141,7 @@ impl<R: Real> View<R> {
 
     /// A vector along the cone's axis: h d − λ₋ times the inward normal.
     fn axis(&self, normal: Vector<R>) -> Vector<R> {
-        core::array::from_fn(|i| self.height * self.offset[i].value() - self.inward * normal[i])
+        subtract(self.offset.map(|x| self.height * x.value()), scale(normal, self.inward))
     }
 
     fn factor(&self, disk: Vector<R>, receiver: Vector<R>) -> R {

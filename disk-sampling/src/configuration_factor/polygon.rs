@@ -6,7 +6,7 @@ use super::double_word::{DoubleWord, WideVector, wide_cross, wide_difference, wi
 use super::keeps_digits;
 use super::scale::power_of_two;
 use super::triangle::{Corner, clipped_mean, mean};
-use crate::vector::{Vector, add, cross, dot, length, subtract};
+use crate::vector::{Vector, add, cross, dot, length, scale, subtract};
 
 /// The configuration factor from a surface element at `point` with unit normal `normal` to a planar convex polygon, clipped
 /// at the element's horizon: irradiance over π times radiance, for a polygon that sends out the same radiance everywhere
@@ -238,7 +238,7 @@ fn nearest_point<R: Real>(a: Vector<R>, u: Vector<R>, v: Vector<R>) -> [R; 2] {
         let w = nearest_on_side(add(a, u), subtract(v, u));
         let candidates = [[nearest_on_side(a, u), R::ZERO], [R::ZERO, nearest_on_side(a, v)], [R::ONE - w, w]];
         let distance = |[s, t]: [R; 2]| {
-            let x: Vector<R> = core::array::from_fn(|i| a[i] + s * u[i] + t * v[i]);
+            let x = add(add(a, scale(u, s)), scale(v, t));
             dot(x, x)
         };
         candidates.into_iter().fold(candidates[0], |best, c| if distance(c) < distance(best) { c } else { best })

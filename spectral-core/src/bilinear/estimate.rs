@@ -2,6 +2,7 @@
 
 use super::EstimateError;
 use super::tensor::Tensor;
+use crate::array::{transposed, zip};
 use crate::colour::RgbSpace;
 use crate::integrate::Sum;
 use crate::matrix::{Factored, Matrix, norm};
@@ -43,7 +44,7 @@ pub fn estimate<R: Real>(count: usize, node: impl Fn(usize) -> [R; 3]) -> Result
     }
     let normalised = |index: usize| {
         let cmf = node(index);
-        core::array::from_fn(|c| cmf[c] / integrals[c])
+        zip(cmf, integrals, |cmf, integral| cmf / integral)
     };
     let (gram, triple) = moments(count, normalised);
     let factors = Factored::new(&gram);
@@ -72,7 +73,7 @@ pub fn estimate_rgb<R: Real>(space: &RgbSpace) -> Result<Estimate<R>, EstimateEr
     let integrals = integrals(COUNT, &xyz)?;
     estimate(COUNT, |index| {
         let cmf = xyz(index);
-        space.from_xyz(core::array::from_fn(|a| cmf[a] / integrals[a] * white[a]))
+        space.from_xyz(zip(zip(cmf, integrals, |cmf, integral| cmf / integral), white, |share, white| share * white))
     })
 }
 
@@ -114,7 +115,7 @@ fn moments<R: Real>(count: usize, node: impl Fn(usize) -> [R; 3]) -> (Matrix<R>,
     for index in 1..count {
         let after = node(index);
         add(sixth, before);
-        add(two_thirds, core::array::from_fn(|c| R::HALF * (before[c] + after[c])));
+        add(two_thirds, zip(before, after, |before, after| R::HALF * (before + after)));
         add(sixth, after);
         before = after;
     }
@@ -123,10 +124,9 @@ fn moments<R: Real>(count: usize, node: impl Fn(usize) -> [R; 3]) -> (Matrix<R>,
 
 /// k^c_{d,e} = Σ_{a,b} M_{d,a} M_{e,b} ⟨b̄_a b̄_b, b̄_c⟩, as `[e][c][d]`.
 fn coefficients<R: Real>(dual: &Matrix<R>, triple: &[Matrix<R>; 3]) -> [Matrix<R>; 3] {
-    let sum = |f: &dyn Fn(usize) -> R| f(0) + f(1) + f(2);
-    core::array::from_fn(|e| {
-        core::array::from_fn(|c| {
-            core::array::from_fn(|d| sum(&|a| dual[d][a] * sum(&|b| dual[e][b] * triple[a][b][c])))
-        })
+    let dot = |[a, b, c]: [R; 3], [x, y, z]: [R; 3]| a * x + b * y + c * z;
+    dual.map(|by_e| {
+        let inner = triple.map(|by_a| transposed(by_a).map(|by_c| dot(by_e, by_c)));
+        transposed(inner).map(|by_c| dual.map(|by_d| dot(by_d, by_c)))
     })
 }

@@ -2,6 +2,7 @@
 
 use super::{AlphaError, TensorError};
 use crate::Real;
+use crate::array::{transposed, zip};
 use crate::matrix::{Matrix, apply};
 
 /// The pairs of components whose differences enter a product: red–green, green–blue, blue–red.
@@ -64,9 +65,9 @@ impl<R: Real> Tensor<R> {
         }
         let [red, green, blue] = matrices;
         for (channel, ((r, g), b)) in red.iter().zip(green).zip(blue).enumerate() {
-            for pair @ [d, e] in PAIRS {
-                let difference = ([r, g, b][d][e] - [r, g, b][e][d]).abs();
-                if !(difference <= tolerance) {
+            let ([_, rg, rb], [gr, _, gb], [br, bg, _]) = (*r, *g, *b);
+            for (pair, difference) in PAIRS.into_iter().zip([rg - gr, gb - bg, br - rb]) {
+                if !(difference.abs() <= tolerance) {
                     return Err(TensorError::Asymmetric { channel, pair });
                 }
             }
@@ -88,14 +89,13 @@ impl<R: Real> Tensor<R> {
     /// With A made symmetric and r = u − A·1, the least change is (r 1ᵀ + 1 rᵀ) / 3 − (Σ r) 1 1ᵀ / 9.
     pub(super) fn nearest(matrices: &[[[R; 3]; 3]; 3]) -> Self {
         let (three, nine) = (R::from_f64(3.0), R::from_f64(9.0));
-        let transfer = core::array::from_fn(|c| {
-            let symmetric = |d: usize, e: usize| R::HALF * (matrices[d][c][e] + matrices[e][c][d]);
-            let residue: [R; 3] = core::array::from_fn(|d| {
-                let unit = if c == d { R::ONE } else { R::ZERO };
-                unit - (symmetric(d, 0) + symmetric(d, 1) + symmetric(d, 2))
-            });
-            let common = (residue[0] + residue[1] + residue[2]) / nine;
-            PAIRS.map(|[d, e]| symmetric(d, e) + ((residue[d] + residue[e]) / three - common))
+        let mean = |a: R, b: R| R::HALF * (a + b);
+        let transfer = zip(transposed(*matrices), units::<R>(), |[[rr, rg, rb], [gr, gg, gb], [br, bg, bb]], [ur, ug, ub]| {
+            let (rr, gg, bb) = (mean(rr, rr), mean(gg, gg), mean(bb, bb));
+            let (rg, gb, br) = (mean(rg, gr), mean(gb, bg), mean(br, rb));
+            let (r, g, b) = (ur - (rr + rg + br), ug - (rg + gg + gb), ub - (br + gb + bb));
+            let common = (r + g + b) / nine;
+            [rg + ((r + g) / three - common), gb + ((g + b) / three - common), br + ((b + r) / three - common)]
         });
         Self { transfer }
     }
@@ -111,19 +111,9 @@ impl<R: Real> Tensor<R> {
     /// Symmetric to the bit; coherent within 2 ε times the largest coefficient of the channel.
     #[must_use]
     pub fn matrices(&self) -> [[[R; 3]; 3]; 3] {
-        let mut matrices = [[[R::ZERO; 3]; 3]; 3];
-        for (c, transfer) in self.transfer.iter().enumerate() {
-            for ([d, e], &k) in PAIRS.into_iter().zip(transfer) {
-                matrices[d][c][e] = k;
-                matrices[e][c][d] = k;
-            }
-            let [rg, gb, br] = *transfer;
-            for (d, sum) in [rg + br, rg + gb, gb + br].into_iter().enumerate() {
-                let unit = if c == d { R::ONE } else { R::ZERO };
-                matrices[d][c][d] = unit - sum;
-            }
-        }
-        matrices
+        transposed(zip(self.transfer, units::<R>(), |[rg, gb, br], [r, g, b]| {
+            [[r - (rg + br), rg, br], [rg, g - (rg + gb), gb], [br, gb, b - (gb + br)]]
+        }))
     }
 
     /// C ⊗ D: the colour of light C reflected by a surface of colour D, or of two filters.
@@ -181,12 +171,12 @@ impl<R: Real> Tensor<R> {
     /// Source: Granier and Damez 2004, section 6.2.
     pub fn with_alpha(&self, alpha: [R; 3]) -> Result<Self, AlphaError> {
         let mut factors = [R::ZERO; 3];
-        for (channel, (factor, &alpha)) in factors.iter_mut().zip(&alpha).enumerate() {
+        for (channel, ((factor, alpha), transferred)) in factors.iter_mut().zip(alpha).zip(self.alpha()).enumerate() {
             if !(alpha >= R::ZERO && alpha.is_finite()) {
                 return Err(AlphaError::Value { channel });
             }
             if alpha > R::ZERO {
-                *factor = alpha / self.transferred(channel);
+                *factor = alpha / transferred;
                 if !(*factor > R::ZERO && factor.is_finite()) {
                     return Err(AlphaError::NoTransfer { channel });
                 }
@@ -198,12 +188,8 @@ impl<R: Real> Tensor<R> {
     /// The α of each channel, 1 − k^c_{c,c}: how much is transferred into it from the others; can be negative.
     #[must_use]
     pub fn alpha(&self) -> [R; 3] {
-        core::array::from_fn(|channel| self.transferred(channel))
-    }
-
-    fn transferred(&self, channel: usize) -> R {
-        let [rg, gb, br] = self.transfer[channel];
-        [rg + br, rg + gb, gb + br][channel]
+        let [[red_green, _, blue_red], [green_red, green_blue, _], [_, blue_green, red_blue]] = self.transfer;
+        [red_green + blue_red, green_red + green_blue, blue_green + red_blue]
     }
 
     /// The tensor with the transfer into each channel multiplied by a factor β: 0 is the classical product, 1 this
@@ -218,6 +204,12 @@ impl<R: Real> Tensor<R> {
         }
         Self::new(transfer)
     }
+}
+
+/// The rows of the unit matrix.
+fn units<R: Real>() -> [[R; 3]; 3] {
+    let (one, none) = (R::ONE, R::ZERO);
+    [[one, none, none], [none, one, none], [none, none, one]]
 }
 
 /// The differences of the [`PAIRS`].

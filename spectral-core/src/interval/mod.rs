@@ -21,6 +21,7 @@ pub use domain::{BuildError, Domain, FIRST_WAVELENGTH, LAST_WAVELENGTH, MAX_DEPT
 pub use pyramid::Pyramid;
 
 use crate::Real;
+use crate::array::zip;
 
 /// What is kept of a spectrum S on one interval, with ā running over x̄, ȳ, z̄ and I_a = ∫ā.
 ///
@@ -81,13 +82,13 @@ impl<R: Real> Interval<R> {
     /// The tristimulus values of zeroth order, m I_a: what Iehl and Péroche take as the value.
     #[inline]
     pub fn mean_tristimulus(&self, weight: &Weight<R>) -> [R; 3] {
-        each(|a| self.mean * weight.integral[a])
+        weight.integral.map(|integral| self.mean * integral)
     }
 
     /// The tristimulus values of first order, m I_a + e_a, within [`radius`](Self::radius) of the true ones.
     #[inline]
     pub fn tristimulus(&self, weight: &Weight<R>) -> [R; 3] {
-        each(|a| self.mean * weight.integral[a] + self.error[a])
+        zip(weight.integral, self.error, |integral, error| self.mean * integral + error)
     }
 
     /// The greatest |S| on the interval, at least.
@@ -227,7 +228,7 @@ impl<R: Real> Interval<R> {
     pub fn product_first_order(&self, other: &Self) -> Self {
         Self {
             mean: self.mean * other.mean,
-            error: each(|a| self.mean * other.error[a] + other.mean * self.error[a]),
+            error: zip(self.error, other.error, |first, second| self.mean * second + other.mean * first),
             ..Self::zero()
         }
     }
@@ -241,7 +242,8 @@ impl<R: Real> Interval<R> {
     /// S₁ + S₂ to first order alone; the other fields are not used.
     #[inline]
     pub fn sum_first_order(&self, other: &Self) -> Self {
-        Self { mean: self.mean + other.mean, error: each(|a| self.error[a] + other.error[a]), ..Self::zero() }
+        let error = zip(self.error, other.error, |first, second| first + second);
+        Self { mean: self.mean + other.mean, error, ..Self::zero() }
     }
 
     /// Schlick's spectral term to first order alone; the other fields are not used.

@@ -2,6 +2,7 @@
 
 use super::sigmoid::{argument, polynomial, position, sigmoid_and_slope};
 use super::{Sigmoid, UpsamplerError, UpsamplingError};
+use crate::array::{transposed, zip};
 use crate::colour::RgbSpace;
 use crate::integrate::product_integrals;
 use crate::matrix::{Factored, Matrix, apply, largest};
@@ -78,17 +79,17 @@ impl<R: Real> Upsampler<R> {
     }
 
     fn of_weights(mut weights: [[R; 3]; NODES], space: &RgbSpace) -> Result<Self, UpsamplerError> {
-        let white: [R; 3] = core::array::from_fn(|a| weights.iter().fold(R::ZERO, |sum, w| sum + w[a]));
+        let white = weights.iter().fold([R::ZERO; 3], |sum, weight| zip(sum, *weight, |sum, w| sum + w));
         let rgb = space.from_xyz(white.map(|v| v / white[1]));
         if !white.iter().chain(&rgb).all(|v| *v > R::ZERO && v.is_finite()) {
             return Err(UpsamplerError::White);
         }
         for weight in &mut weights {
-            *weight = core::array::from_fn(|a| weight[a] / white[a]);
+            *weight = zip(*weight, white, |weight, white| weight / white);
         }
-        let unit = |a: usize| core::array::from_fn(|b| if a == b { white[a] / white[1] } else { R::ZERO });
-        let columns = [0, 1, 2].map(|a| space.from_xyz(unit(a)));
-        let to_rgb = [0, 1, 2].map(|c| columns.map(|column: [R; 3]| column[c] / rgb[c]));
+        let (none, [x, y, z]) = (R::ZERO, white.map(|v| v / white[1]));
+        let columns = [[x, none, none], [none, y, none], [none, none, z]].map(|unit| space.from_xyz(unit));
+        let to_rgb = zip(transposed(columns), rgb, |row, rgb| row.map(|value| value / rgb));
         Ok(Self { weights, to_rgb, from_rgb: Factored::new(&to_rgb).inverse() })
     }
 

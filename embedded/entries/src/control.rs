@@ -1,0 +1,17 @@
+//! Rows that are no part of the table: what an image costs without any, and what the panic gate must not let pass.
+
+entries! {
+    /// Nothing: its size, stack and time are the harness's own.
+    control_empty 4 [] |run, R| {
+        let value: R = run.unit();
+        let result = run.time_call(|| value);
+        run.put(result);
+    }
+    /// An index that may be out of bounds.
+    control_index 1 [] |run, R| {
+        let values: [R; 3] = run.array(0.0, 1.0);
+        let index = run.index(4);
+        let result = run.time_call(|| values[index]);
+        run.put(result);
+    }
+}
