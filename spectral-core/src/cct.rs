@@ -8,6 +8,7 @@
 use crate::Real;
 use crate::spectrum::RadiationConstant;
 use crate::summation::{SumGrid, tristimulus_sum};
+use crate::tables::ObserverTable;
 
 /// Intervals between the nodes of the locus.
 const INTERVALS: usize = 256;
@@ -95,14 +96,12 @@ impl<R: Real, const N: usize> PlanckianLocus<R, N> {
     /// The locus for x̄, ȳ, z̄ on a grid, with a second radiation constant.
     #[must_use]
     pub fn new(grid: SumGrid<N>, observer: &[[R; 3]; N], constant: RadiationConstant) -> Self {
-        // c₂ in nm MK, so that it goes with reciprocal temperatures in mired.
-        let constant = R::from_f64(constant.metre_kelvin() * 1e3);
-        let reference = R::from_f64(560.0);
+        let body = BlackBody::new(constant);
         Self {
             observer: *observer,
-            rates: core::array::from_fn(|index| constant / grid.wavelength(index)),
-            weights: core::array::from_fn(|index| fifth_power(reference / grid.wavelength(index))),
-            rate_at_560: constant / reference,
+            rates: core::array::from_fn(|index| body.rate(grid.wavelength(index))),
+            weights: core::array::from_fn(|index| BlackBody::weight(grid.wavelength(index))),
+            rate_at_560: body.rate(R::from_f64(560.0)),
         }
     }
 
@@ -128,24 +127,72 @@ impl<R: Real, const N: usize> PlanckianLocus<R, N> {
     pub fn uv(&self, temperature: R) -> [R; 2] {
         xyz_to_uv(tristimulus_sum(&self.observer, &self.spectrum(temperature)))
     }
+}
 
-    /// XYZ of the black body and its first two derivatives by reciprocal temperature.
-    fn tristimulus(&self, mired: R) -> [[R; 3]; 3] {
-        let mut sums = [[R::ZERO; 3]; 3];
-        for ((cmf, &rate), &weight) in self.observer.iter().zip(&self.rates).zip(&self.weights) {
-            // q = 1 / (eˣ − 1) has q′ = −q (1 + q) and q″ = q (1 + q) (1 + 2 q).
-            let q = R::ONE / exp_minus_1(rate * mired);
-            let value = weight * q;
-            let first = -rate * value * (R::ONE + q);
-            let second = rate * rate * value * (R::ONE + q) * (R::ONE + q + q);
-            for (sum, value) in sums.iter_mut().zip([value, first, second]) {
-                for (sum, &weight) in sum.iter_mut().zip(cmf) {
-                    *sum += value * weight;
-                }
+/// What a black body's spectrum is made of.
+#[derive(Clone, Copy, Debug)]
+struct BlackBody<R> {
+    /// c₂ in nm MK, so that it goes with reciprocal temperatures in mired.
+    constant: R,
+}
+
+impl<R: Real> BlackBody<R> {
+    fn new(constant: RadiationConstant) -> Self {
+        Self { constant: R::from_f64(constant.metre_kelvin() * 1e3) }
+    }
+
+    /// c₂ / λ by mired, at a wavelength in nm.
+    fn rate(&self, wavelength: R) -> R {
+        self.constant / wavelength
+    }
+
+    /// (560 nm / λ)⁵.
+    fn weight(wavelength: R) -> R {
+        fifth_power(R::from_f64(560.0) / wavelength)
+    }
+}
+
+/// A [`PlanckianLocus`] that keeps nothing: to the bit the same, for a single light in little memory.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct LeanLocus<R, const N: usize> {
+    grid: SumGrid<N>,
+    observer: &'static ObserverTable,
+    body: BlackBody<R>,
+}
+
+impl<R: Real, const N: usize> LeanLocus<R, N> {
+    pub(crate) fn new(grid: SumGrid<N>, observer: &'static ObserverTable, constant: RadiationConstant) -> Self {
+        Self { grid, observer, body: BlackBody::new(constant) }
+    }
+
+    /// The powers of [`PlanckianLocus::spectrum`].
+    pub(crate) fn powers(&self, temperature: R) -> impl Fn(usize) -> R + use<R, N> {
+        let (grid, body) = (self.grid, self.body);
+        let mired = R::from_f64(1e6) / temperature;
+        let scale = exp_minus_1(body.rate(R::from_f64(560.0)) * mired);
+        move |index| {
+            let wavelength = grid.wavelength(index);
+            BlackBody::weight(wavelength) * scale / exp_minus_1(body.rate(wavelength) * mired)
+        }
+    }
+}
+
+/// XYZ of a black body and its first two derivatives by reciprocal temperature; rows are x̄, ȳ, z̄, c₂ / λ and (560 nm / λ)⁵.
+fn tristimulus<R: Real>(rows: impl Iterator<Item = ([R; 3], R, R)>, mired: R) -> [[R; 3]; 3] {
+    let mut sums = [[R::ZERO; 3]; 3];
+    for (cmf, rate, weight) in rows {
+        // q = 1 / (eˣ − 1) has q′ = −q (1 + q) and q″ = q (1 + q) (1 + 2 q).
+        let q = R::ONE / exp_minus_1(rate * mired);
+        let value = weight * q;
+        let first = -rate * value * (R::ONE + q);
+        let second = rate * rate * value * (R::ONE + q) * (R::ONE + q + q);
+        for (sum, value) in sums.iter_mut().zip([value, first, second]) {
+            for (sum, weight) in sum.iter_mut().zip(cmf) {
+                *sum += value * weight;
             }
         }
-        sums
     }
+    sums
 }
 
 /// eˣ − 1 for x > 0, within 3 ε: from 1 on the plain difference, which is faster, loses less than a factor of 1.6.
@@ -160,7 +207,25 @@ fn fifth_power<R: Real>(value: R) -> R {
 
 impl<R: Real, const N: usize> Locus<R> for PlanckianLocus<R, N> {
     fn node(&self, index: usize) -> Node<R> {
-        let [value, first, second] = self.tristimulus(node_mired(index));
+        let rows = self.observer.iter().zip(&self.rates).zip(&self.weights);
+        Node::of_tristimulus(tristimulus(rows.map(|((cmf, rate), weight)| (*cmf, *rate, *weight)), node_mired(index)))
+    }
+}
+
+impl<R: Real, const N: usize> Locus<R> for LeanLocus<R, N> {
+    fn node(&self, index: usize) -> Node<R> {
+        let rows = (0..N).map(|index| {
+            let wavelength = self.grid.wavelength(index);
+            let cmf = self.grid.cmf(self.observer, index);
+            (cmf, self.body.rate(wavelength), BlackBody::weight(wavelength))
+        });
+        Node::of_tristimulus(tristimulus(rows, node_mired(index)))
+    }
+}
+
+impl<R: Real> Node<R> {
+    /// From XYZ and its first two derivatives.
+    fn of_tristimulus([value, first, second]: [[R; 3]; 3]) -> Self {
         let denominator = |[x, y, z]: [R; 3]| x + R::from_f64(15.0) * y + R::from_f64(3.0) * z;
         let [d, d1, d2] = [value, first, second].map(denominator);
         // f = n / d: f′ = (n′ − f d′) / d, f″ = (n″ − 2 f′ d′ − f d″) / d.
@@ -171,7 +236,7 @@ impl<R: Real, const N: usize> Locus<R> for PlanckianLocus<R, N> {
             [f, f1, f2]
         };
         let (u, v) = (quotient(R::from_f64(4.0), 0), quotient(R::from_f64(6.0), 1));
-        Node { point: [u[0], v[0]], first: [u[1], v[1]], second: [u[2], v[2]] }
+        Self { point: [u[0], v[0]], first: [u[1], v[1]], second: [u[2], v[2]] }
     }
 }
 

@@ -98,12 +98,21 @@ impl<const N: usize> SumGrid<N> {
     /// x̄, ȳ, z̄ at the grid's wavelengths; zeros where the table, at 1 nm, has none.
     #[must_use]
     pub fn observer<R: Real>(&self, table: &ObserverTable) -> [[R; 3]; N] {
-        core::array::from_fn(|index| {
-            let wavelength = usize::from(self.first) + usize::from(self.step) * index;
-            let offset = wavelength.checked_sub(usize::from(table.first));
-            let row = offset.filter(|o| o % usize::from(table.step.max(1)) == 0);
-            row.map_or([R::ZERO; 3], |row| table.cmf(row / usize::from(table.step.max(1))))
-        })
+        core::array::from_fn(|index| self.cmf(table, index))
+    }
+
+    /// One wavelength of [`observer`](Self::observer).
+    #[inline]
+    pub(crate) fn cmf<R: Real>(&self, table: &ObserverTable, index: usize) -> [R; 3] {
+        let offset = self.nanometres(index).checked_sub(usize::from(table.first));
+        let row = offset.filter(|o| o % usize::from(table.step.max(1)) == 0);
+        row.map_or([R::ZERO; 3], |row| table.cmf(row / usize::from(table.step.max(1))))
+    }
+
+    /// A wavelength as a whole number of nm.
+    #[inline]
+    pub(crate) const fn nanometres(&self, index: usize) -> usize {
+        self.first as usize + self.step as usize * index
     }
 }
 

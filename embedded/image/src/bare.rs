@@ -27,6 +27,8 @@ fn panic(info: &PanicInfo<'_>) -> ! {
 
 /// What the stack holds where nothing was written.
 const PAINT: u32 = 0xcccc_cccc;
+/// Bytes below the stack pointer that [`paint`] may keep registers in; less than any row takes.
+const MARGIN: usize = 64;
 
 /// Where the start-up code goes in an image of rows: a line a row, then one with flash and static RAM in bytes.
 #[unsafe(no_mangle)]
@@ -81,8 +83,8 @@ fn rows() -> impl Iterator<Item = &'static Linked> {
 fn paint() -> usize {
     let base = board::stack_pointer();
     let mut word = (&raw const __stack_limit).cast_mut().cast::<u32>();
-    while word.addr() < base {
-        // SAFETY: RAM between static data and the stack pointer belongs to nobody, and nothing is called meanwhile.
+    while word.addr() < base - MARGIN {
+        // SAFETY: RAM between static data and the stack belongs to nobody, and nothing is called meanwhile.
         unsafe { word.write_volatile(PAINT) };
         word = word.wrapping_add(1);
     }

@@ -30,9 +30,11 @@ global_asm!(
     "isb",
 );
 
+// By address, which says that it is Thumb code: `main` is another name that the linker gives to a function.
 global_asm!(
     ".section .text.reset, \"ax\"",
-    "bl main",
+    "ldr r0, =main",
+    "blx r0",
     ".thumb_func",
     ".global fault",
     "fault:",

@@ -64,6 +64,19 @@ pub(crate) const ALL: [Target; 4] = [M4F, M3, M0, RV32];
 
 /// Instructions are a multiple of 2⁴ ns each: two or four of them for a tick.
 const SHIFT: u32 = 4;
+/// Semihosting on standard output, and nothing else there.
+const CONSOLE: [&str; 10] = [
+    "-display",
+    "none",
+    "-serial",
+    "none",
+    "-monitor",
+    "none",
+    "-chardev",
+    "stdio,id=host",
+    "-semihosting-config",
+    "enable=on,target=native,chardev=host",
+];
 /// A time that no image needs.
 const PATIENCE: Duration = Duration::from_secs(120);
 
@@ -138,8 +151,7 @@ impl Target {
     /// Runs an image; what it printed, when it ended well. The time is counted in instructions if `is_timed`.
     pub(crate) fn run(&self, image: &Path, is_timed: bool) -> Result<String, String> {
         let mut command = Command::new(self.emulator);
-        command.args(self.machine).args(["-nographic", "-semihosting-config", "enable=on,target=native", "-kernel"]);
-        command.arg(image);
+        command.args(self.machine).args(CONSOLE).arg("-kernel").arg(image);
         if is_timed {
             command.args(["-icount", &format!("shift={SHIFT}")]);
         }
@@ -156,9 +168,7 @@ impl Target {
         }
         let output = child.wait_with_output().map_err(|error| error.to_string())?;
         let [text, words] = [output.stdout, output.stderr].map(|bytes| String::from_utf8_lossy(&bytes).into_owned());
-        // Semihosting's console is standard error in some versions of the emulator, standard output in others.
-        let text = text + &words;
-        if output.status.success() { Ok(text) } else { Err(format!("{name}: {}\n{text}", output.status)) }
+        if output.status.success() { Ok(text) } else { Err(format!("{name}: {}\n{text}{words}", output.status)) }
     }
 
     /// Links and runs an image of rows.

@@ -153,5 +153,7 @@ fn single<R: Real>(value: R) -> f32 {
 fn is_identifier(name: &str) -> bool {
     let plain = name.bytes().all(|b| b.is_ascii_alphanumeric() || b == b'_');
     // GLSL reserves names with two underscores in a row.
-    plain && name.bytes().next().is_some_and(|b| b.is_ascii_alphabetic()) && !name.as_bytes().windows(2).any(|pair| pair == b"__")
+    plain
+        && name.bytes().next().is_some_and(|b| b.is_ascii_alphabetic())
+        && !name.as_bytes().windows(2).any(|pair| pair == b"__")
 }

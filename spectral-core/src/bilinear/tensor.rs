@@ -90,13 +90,14 @@ impl<R: Real> Tensor<R> {
     pub(super) fn nearest(matrices: &[[[R; 3]; 3]; 3]) -> Self {
         let (three, nine) = (R::from_f64(3.0), R::from_f64(9.0));
         let mean = |a: R, b: R| R::HALF * (a + b);
-        let transfer = zip(transposed(*matrices), units::<R>(), |[[rr, rg, rb], [gr, gg, gb], [br, bg, bb]], [ur, ug, ub]| {
-            let (rr, gg, bb) = (mean(rr, rr), mean(gg, gg), mean(bb, bb));
-            let (rg, gb, br) = (mean(rg, gr), mean(gb, bg), mean(br, rb));
-            let (r, g, b) = (ur - (rr + rg + br), ug - (rg + gg + gb), ub - (br + gb + bb));
-            let common = (r + g + b) / nine;
-            [rg + ((r + g) / three - common), gb + ((g + b) / three - common), br + ((b + r) / three - common)]
-        });
+        let transfer =
+            zip(transposed(*matrices), units::<R>(), |[[rr, rg, rb], [gr, gg, gb], [br, bg, bb]], [ur, ug, ub]| {
+                let (rr, gg, bb) = (mean(rr, rr), mean(gg, gg), mean(bb, bb));
+                let (rg, gb, br) = (mean(rg, gr), mean(gb, bg), mean(br, rb));
+                let (r, g, b) = (ur - (rr + rg + br), ug - (rg + gg + gb), ub - (br + gb + bb));
+                let common = (r + g + b) / nine;
+                [rg + ((r + g) / three - common), gb + ((g + b) / three - common), br + ((b + r) / three - common)]
+            });
         Self { transfer }
     }
 

@@ -1,39 +1,40 @@
 //! R_a and CRI00 of the eight samples that both average, in lockstep and without the stages in between.
 
+use super::Cri00;
 use super::cri::uniform;
-use super::{Cri00, munsell_samples};
 use crate::Real;
 use crate::adaptation::{Adaptation, VonKries};
 use crate::cct::xyz_to_uv;
 use crate::colour::{differences, xyz_to_lab};
 use crate::lanes::Lanes;
-use crate::spectrum::Spectrum;
+use crate::spectrum::Outside;
 use crate::summation::SumGrid;
+use crate::tables::observers::CIE_1931_2;
+use crate::tables::{UniformTable, test_colours as tcs};
 
 /// x̄, ȳ, z̄ times each of the eight reflectances, x̄, ȳ, z̄ themselves, and a zero that makes the number of sums even: at one
 /// wavelength.
 pub(crate) type Products<R> = [R; 28];
 
-/// The products of the first eight Munsell samples and an observer, formed where they are needed.
+/// The first eight Munsell samples: CIE 13.3-1995's test colours.
+static SAMPLES: [UniformTable; 8] =
+    [tcs::TCS01, tcs::TCS02, tcs::TCS03, tcs::TCS04, tcs::TCS05, tcs::TCS06, tcs::TCS07, tcs::TCS08];
+
+/// The products of the first eight Munsell samples and the 2° observer of 1931, formed where they are needed: nothing is kept.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct EightSamples<'a, R, const N: usize> {
-    observer: &'a [[R; 3]; N],
-    reflectances: [[R; 8]; N],
+pub(crate) struct EightSamples<const N: usize> {
+    grid: SumGrid<N>,
 }
 
-impl<'a, R: Real, const N: usize> EightSamples<'a, R, N> {
-    pub(crate) fn new(grid: SumGrid<N>, observer: &'a [[R; 3]; N]) -> Self {
-        let samples = munsell_samples();
-        let reflectances = core::array::from_fn(|index| {
-            let wavelength = grid.wavelength(index);
-            core::array::from_fn(|sample| samples[sample].value(wavelength))
-        });
-        Self { observer, reflectances }
+impl<const N: usize> EightSamples<N> {
+    pub(crate) const fn new(grid: SumGrid<N>) -> Self {
+        Self { grid }
     }
 
-    pub(crate) fn products(&self, index: usize) -> Products<R> {
-        let cmf = self.observer.get(index).copied().unwrap_or([R::ZERO; 3]);
-        let reflectances = self.reflectances.get(index).copied().unwrap_or([R::ZERO; 8]);
+    pub(crate) fn products<R: Real>(&self, index: usize) -> Products<R> {
+        let cmf = self.grid.cmf(&CIE_1931_2, index);
+        let nanometres = self.grid.nanometres(index);
+        let reflectances = SAMPLES.each_ref().map(|table| table.at_whole(nanometres, Outside::Hold));
         let mut products = [R::ZERO; 28];
         let (samples, white) = products.split_at_mut(24);
         for (channel, c) in samples.chunks_exact_mut(8).zip(cmf) {
@@ -58,7 +59,7 @@ pub(crate) struct EightSums<R> {
 impl<R: Real> EightSums<R> {
     /// Plain sums in the order of the wavelengths.
     #[inline]
-    pub(crate) fn new(light: &[R], rows: impl Iterator<Item = Products<R>>) -> Self {
+    pub(crate) fn new(light: impl Iterator<Item = R>, rows: impl Iterator<Item = Products<R>>) -> Self {
         let sums = weighted_rows(light, rows);
         let at = |first: usize| core::array::from_fn(|sample| sums[first + sample]);
         Self { white: [sums[24], sums[25], sums[26]], samples: [at(0), at(8), at(16)] }
@@ -70,9 +71,9 @@ impl<R: Real> EightSums<R> {
 /// Not inlined: what is done with the sums would otherwise decide how they lie in vector registers, and they
 /// would not all find room.
 #[inline(never)]
-fn weighted_rows<R: Real>(light: &[R], rows: impl Iterator<Item = Products<R>>) -> Products<R> {
+fn weighted_rows<R: Real>(light: impl Iterator<Item = R>, rows: impl Iterator<Item = Products<R>>) -> Products<R> {
     let mut sums = [R::ZERO; 28];
-    for (&power, row) in light.iter().zip(rows) {
+    for (power, row) in light.zip(rows) {
         for (sum, product) in sums.iter_mut().zip(row) {
             *sum += power * product;
         }
@@ -91,21 +92,34 @@ pub(crate) struct ReferenceColours<R> {
     pub(crate) uniform: [[R; 8]; 3],
 }
 
+/// White, CIELAB and CIE 1964 colours in one list.
+pub(super) const COMPONENTS: usize = 2 + 24 + 24;
+
 impl<R: Real> ReferenceColours<R> {
     pub(crate) const fn zero() -> Self {
         Self { white: [[R::ZERO; 2]], lab: [[R::ZERO; 8]; 3], uniform: [[R::ZERO; 8]; 3] }
     }
 
-    /// Adds the other one's values times a factor.
-    pub(crate) fn add(&mut self, other: &Self, factor: R) {
-        let add = |sums: &mut [R], values: &[R]| {
-            for (sum, &value) in sums.iter_mut().zip(values) {
-                *sum += value * factor;
-            }
-        };
-        add(self.white.as_flattened_mut(), other.white.as_flattened());
-        add(self.lab.as_flattened_mut(), other.lab.as_flattened());
-        add(self.uniform.as_flattened_mut(), other.uniform.as_flattened());
+    /// All components in a list.
+    pub(super) fn list(&self) -> [R; COMPONENTS] {
+        let values = self.white.as_flattened().iter().chain(self.lab.as_flattened()).chain(self.uniform.as_flattened());
+        let mut list = [R::ZERO; COMPONENTS];
+        for (place, &value) in list.iter_mut().zip(values) {
+            *place = value;
+        }
+        list
+    }
+
+    /// The colours that a list is of.
+    pub(super) fn from_list(list: &[R; COMPONENTS]) -> Self {
+        let mut found = Self::zero();
+        let Self { white, lab, uniform } = &mut found;
+        let places =
+            white.as_flattened_mut().iter_mut().chain(lab.as_flattened_mut()).chain(uniform.as_flattened_mut());
+        for (place, &value) in places.zip(list) {
+            *place = value;
+        }
+        found
     }
 
     /// The colours from the sums of the reference light, which must have luminance.

@@ -29,7 +29,7 @@ pub(crate) use eight::{EightSamples, EightSums, Products, ReferenceColours, gene
 pub use fidelity::{Fidelity, fidelity, fidelity_reference};
 pub use r96::{R96_REFERENCES, R96_TCC_LAB, R96C, nearest_r96_reference, r96};
 pub use reference::{ReferenceKind, ReferenceLight};
-pub(crate) use reference_table::{PIECE_COUNT, ReferencePiece, piece_of};
+pub(crate) use reference_table::{PIECE_COUNT, ReferencePiece, interpolated, piece_of};
 pub use samples::{colorchecker_samples, colour_evaluation_samples, munsell_samples};
 
 use crate::Real;

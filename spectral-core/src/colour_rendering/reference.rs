@@ -1,7 +1,7 @@
 //! The reference light of a colour-rendering index.
 
 use crate::Real;
-use crate::cct::PlanckianLocus;
+use crate::cct::{LeanLocus, PlanckianLocus};
 use crate::spectrum::{Daylight, Rounding};
 use crate::summation::SumGrid;
 
@@ -47,10 +47,26 @@ impl<R: Real> ReferenceLight<R> {
     pub fn spectrum<const N: usize>(&self, grid: SumGrid<N>, locus: &PlanckianLocus<R, N>) -> Option<[R; N]> {
         match self.kind {
             ReferenceKind::Planckian => Some(locus.spectrum(self.temperature)),
-            ReferenceKind::Daylight => Daylight::new(self.temperature, Rounding::None).ok().map(|daylight| {
-                let [first, step] = [grid.first(), grid.step()].map(usize::from);
-                core::array::from_fn(|index| daylight.at_whole(first + step * index))
-            }),
+            ReferenceKind::Daylight => Daylight::new(self.temperature, Rounding::None)
+                .ok()
+                .map(|daylight| core::array::from_fn(|index| daylight.at_whole(grid.nanometres(index)))),
         }
+    }
+
+    /// The powers of [`spectrum`](Self::spectrum), to the bit, by index: for a single light in little memory.
+    pub(crate) fn powers<const N: usize>(
+        &self,
+        grid: SumGrid<N>,
+        locus: &LeanLocus<R, N>,
+    ) -> Option<impl Fn(usize) -> R + use<R, N>> {
+        let daylight = match self.kind {
+            ReferenceKind::Planckian => None,
+            ReferenceKind::Daylight => Some(Daylight::new(self.temperature, Rounding::None).ok()?),
+        };
+        let body = locus.powers(self.temperature);
+        Some(move |index| match &daylight {
+            Some(daylight) => daylight.at_whole(grid.nanometres(index)),
+            None => body(index),
+        })
     }
 }

@@ -1,6 +1,6 @@
 //! The colours of the samples under a reference light as piecewise polynomials in its reciprocal temperature.
 
-use super::eight::ReferenceColours;
+use super::eight::{COMPONENTS, ReferenceColours};
 use super::{ReferenceKind, ReferenceLight};
 use crate::Real;
 
@@ -50,30 +50,25 @@ impl<R: Real> ReferencePiece<R> {
     /// Interpolates the colours in a piece; `None` when they are not known somewhere in it.
     pub(crate) fn new(
         piece: usize,
-        mut colours: impl FnMut(ReferenceLight<R>) -> Option<ReferenceColours<R>>,
+        colours: impl FnMut(ReferenceLight<R>) -> Option<ReferenceColours<R>>,
     ) -> Option<Self> {
-        let &(kind, first, last) = PIECES.get(piece)?;
-        let angle = |node: usize| R::PI * (R::from_usize(node) + R::HALF) / R::from_usize(ORDER);
-        let mut series = [ReferenceColours::zero(); ORDER];
-        for node in 0..ORDER {
-            let position = angle(node).cos();
-            let mired = R::from_f64(0.5 * (first + last)) + R::from_f64(0.5 * (last - first)) * position;
-            let value = colours(ReferenceLight { kind, temperature: R::from_f64(1e6) / mired })?;
-            for (degree, sum) in series.iter_mut().enumerate() {
-                let weight = if degree == 0 { R::ONE } else { R::TWO };
-                let wave = (R::from_usize(degree) * angle(node)).cos();
-                sum.add(&value, weight * wave / R::from_usize(ORDER));
+        let values = at_nodes(PIECES.get(piece)?, colours)?;
+        let mut lists = [[R::ZERO; COMPONENTS]; ORDER];
+        for component in 0..COMPONENTS {
+            let powers = power_coefficients(&column(&values, component));
+            for (list, power) in lists.iter_mut().zip(powers) {
+                if let Some(place) = list.get_mut(component) {
+                    *place = power;
+                }
             }
         }
-        Some(Self { coefficients: powers(&series) })
+        Some(Self { coefficients: lists.map(|list| ReferenceColours::from_list(&list)) })
     }
 
     /// The colours under a reference light of the piece.
     #[inline]
     pub(crate) fn at(&self, piece: usize, temperature: R) -> Option<ReferenceColours<R>> {
-        let &(_, first, last) = PIECES.get(piece)?;
-        let mired = R::from_f64(1e6) / temperature;
-        let position = (mired - R::from_f64(0.5 * (first + last))) * R::from_f64(2.0 / (last - first));
+        let position = position(PIECES.get(piece)?, temperature);
         Some(ReferenceColours {
             white: self.horner(position, |colours| &colours.white),
             lab: self.horner(position, |colours| &colours.lab),
@@ -81,7 +76,6 @@ impl<R: Real> ReferencePiece<R> {
         })
     }
 
-    /// Not inlined, so that all sums of a part find room in vector registers.
     #[inline(never)]
     fn horner<const W: usize, const C: usize>(
         &self,
@@ -99,26 +93,116 @@ impl<R: Real> ReferencePiece<R> {
     }
 }
 
-/// The coefficients of powers from those of a Chebyshev series.
-///
-/// These fall so fast here that the large coefficients of the Chebyshev polynomials of high degree do not matter.
-fn powers<R: Real>(series: &[ReferenceColours<R>; ORDER]) -> [ReferenceColours<R>; ORDER] {
-    let mut result = [ReferenceColours::zero(); ORDER];
-    let (mut chebyshev, mut next) = ([R::ZERO; ORDER], [R::ZERO; ORDER]);
-    chebyshev[0] = R::ONE;
-    next[1] = R::ONE;
-    for value in series {
-        for (sum, &weight) in result.iter_mut().zip(&chebyshev) {
-            sum.add(value, weight);
+/// What [`ReferencePiece::at`] gives, to the bit, without the polynomials: component by component, in 3 KB in `f32`.
+#[inline(never)]
+pub(crate) fn interpolated<R: Real>(
+    piece: usize,
+    temperature: R,
+    colours: impl FnMut(ReferenceLight<R>) -> Option<ReferenceColours<R>>,
+) -> Option<ReferenceColours<R>> {
+    let piece = PIECES.get(piece)?;
+    let values = at_nodes(piece, colours)?;
+    let position = position(piece, temperature);
+    let mut list = [R::ZERO; COMPONENTS];
+    for (component, sum) in list.iter_mut().enumerate() {
+        for coefficient in power_coefficients(&column(&values, component)).into_iter().rev() {
+            *sum = *sum * position + coefficient;
         }
-        let mut after = [R::ZERO; ORDER];
-        for (power, after) in after.iter_mut().enumerate() {
-            let raised = if power == 0 { R::ZERO } else { next[power - 1] };
-            *after = R::TWO * raised - chebyshev[power];
-        }
-        (chebyshev, next) = (next, after);
     }
-    result
+    Some(ReferenceColours::from_list(&list))
+}
+
+/// The place of a temperature in a piece, from −1 to 1.
+fn position<R: Real>(&(_, first, last): &(ReferenceKind, f64, f64), temperature: R) -> R {
+    let mired = R::from_f64(1e6) / temperature;
+    (mired - R::from_f64(0.5 * (first + last))) * R::from_f64(2.0 / (last - first))
+}
+
+/// The components under the reference lights at the Chebyshev nodes of a piece.
+#[inline(always)]
+fn at_nodes<R: Real>(
+    &(kind, first, last): &(ReferenceKind, f64, f64),
+    mut colours: impl FnMut(ReferenceLight<R>) -> Option<ReferenceColours<R>>,
+) -> Option<[[R; COMPONENTS]; ORDER]> {
+    let mut values = [[R::ZERO; COMPONENTS]; ORDER];
+    for (node, value) in values.iter_mut().enumerate() {
+        let mired = R::from_f64(0.5 * (first + last)) + R::from_f64(0.5 * (last - first)) * wave(2 * node + 1);
+        *value = colours(ReferenceLight { kind, temperature: R::from_f64(1e6) / mired })?.list();
+    }
+    Some(values)
+}
+
+/// One component at all nodes.
+fn column<R: Real>(values: &[[R; COMPONENTS]; ORDER], component: usize) -> [R; ORDER] {
+    values.each_ref().map(|value| value.get(component).copied().unwrap_or(R::ZERO))
+}
+
+/// cos(π m / 26) of whole numbers up to 13: the cosines of Chebyshev's nodes times the degrees are among them.
+const WAVES: [f64; ORDER + 1] = [
+    1.0,
+    0.992_708_874_098_053_993,
+    0.970_941_817_426_052_027,
+    0.935_016_242_685_414_823,
+    0.885_456_025_653_209_896,
+    0.822_983_865_893_656_395,
+    0.748_510_748_171_101_099,
+    0.663_122_658_240_795_202,
+    0.568_064_746_731_155_803,
+    0.464_723_172_043_768_546,
+    0.354_604_887_042_535_626,
+    0.239_315_664_287_557_767,
+    0.120_536_680_255_323_053,
+    0.0,
+];
+
+/// cos(π m / 26) of any whole number.
+fn wave<R: Real>(m: usize) -> R {
+    let turn = m % (4 * ORDER);
+    let half = turn.min(4 * ORDER - turn);
+    let cosine = WAVES.get(half.min(2 * ORDER - half)).copied().unwrap_or(0.0);
+    R::from_f64(if half > ORDER { -cosine } else { cosine })
+}
+
+/// The coefficients of the powers of the position, from the values at the nodes.
+///
+/// Those of the Chebyshev series fall so fast here that the large coefficients of Chebyshev polynomials of high degree do
+/// not matter.
+#[inline(never)]
+fn power_coefficients<R: Real>(values: &[R; ORDER]) -> [R; ORDER] {
+    let mut powers = [R::ZERO; ORDER];
+    for (degree, chebyshev) in CHEBYSHEV.iter().enumerate() {
+        let mut sum = R::ZERO;
+        for (node, &value) in values.iter().enumerate() {
+            sum += value * wave(degree * (2 * node + 1));
+        }
+        let weight = if degree == 0 { R::ONE } else { R::TWO };
+        let coefficient = sum * (weight / R::from_usize(ORDER));
+        // Every other power is absent, and those above the degree.
+        for (power, &factor) in powers.iter_mut().zip(chebyshev).take(degree + 1).skip(degree % 2).step_by(2) {
+            *power += coefficient * R::from_f64(f64::from(factor));
+        }
+    }
+    powers
+}
+
+/// The coefficients of the Chebyshev polynomials by degree and power: T₀ = 1, T₁ = x, Tₙ₊₁ = 2 x Tₙ − Tₙ₋₁.
+static CHEBYSHEV: [[i16; ORDER]; ORDER] = chebyshev();
+
+const fn chebyshev() -> [[i16; ORDER]; ORDER] {
+    let mut table = [[0; ORDER]; ORDER];
+    table[0][0] = 1;
+    table[1][1] = 1;
+    let mut degree = 2;
+    while degree < ORDER {
+        let mut power = 0;
+        while power <= degree {
+            let raised = if power > 0 { 2 * table[degree - 1][power - 1] } else { 0 };
+            table[degree][power] = raised - table[degree - 2][power];
+            power += 1;
+        }
+        degree += 1;
+    }
+    table
 }
 
 #[cfg(test)]
@@ -137,14 +221,14 @@ mod tests {
         let exact = grid.observer::<f64>(&CIE_1931_2);
         let locus = PlanckianLocus::new(grid, &observer, RadiationConstant::Its1990);
         let exact_locus = PlanckianLocus::new(grid, &exact, RadiationConstant::Its1990);
-        let (samples, exact_samples) = (EightSamples::new(grid, &observer), EightSamples::new(grid, &exact));
+        let samples = EightSamples::new(grid);
         let colours = |light: ReferenceLight<R>| {
             let rows = (0..81).map(|index| samples.products(index));
-            Some(ReferenceColours::new(&EightSums::new(&light.spectrum(grid, &locus)?, rows)))
+            Some(ReferenceColours::new(&EightSums::new(light.spectrum(grid, &locus)?.into_iter(), rows)))
         };
         let exact_colours = |light: ReferenceLight<f64>| {
-            let rows = (0..81).map(|index| exact_samples.products(index));
-            Some(ReferenceColours::new(&EightSums::new(&light.spectrum(grid, &exact_locus)?, rows)))
+            let rows = (0..81).map(|index| samples.products(index));
+            Some(ReferenceColours::new(&EightSums::new(light.spectrum(grid, &exact_locus)?.into_iter(), rows)))
         };
         let mut worst = [0.0_f64; PIECE_COUNT];
         for (piece, worst) in worst.iter_mut().enumerate() {
@@ -177,6 +261,21 @@ mod tests {
         assert!(worst.iter().all(|&error| error <= 1e-11), "{worst:?}");
         let worst = largest_error::<f32>();
         assert!(worst.iter().all(|&error| error <= 3e-4), "{worst:?}");
+    }
+
+    /// `independent`: the cosine of `libm`, and the recursion in floating point.
+    #[test]
+    fn waves_and_chebyshev_polynomials_are_what_they_say() {
+        for m in 0..200_usize {
+            let expected = (f64::PI * f64::from_usize(m) / 26.0).cos();
+            assert!((wave::<f64>(m) - expected).abs() <= 1e-13, "{m}");
+        }
+        for (degree, row) in CHEBYSHEV.iter().enumerate() {
+            let x = 0.3_f64;
+            let value = row.iter().rev().fold(0.0, |sum, &factor| sum * x + f64::from(factor));
+            let expected = (f64::from_usize(degree) * x.acos()).cos();
+            assert!((value - expected).abs() <= 1e-11, "{degree}: {value}, not {expected}");
+        }
     }
 
     /// Every temperature that has a reference light has the piece that it lies in, the joints included.

@@ -58,7 +58,7 @@ pub mod smits;
 pub mod test_colours;
 
 use crate::Real;
-use crate::spectrum::{Lines, Outside, PiecewiseLinear, SpectrumError, Uniform};
+use crate::spectrum::{Lines, Outside, PiecewiseLinear, Spectrum, SpectrumError, Uniform};
 pub use lookup::{find_glass, find_light, find_lines, find_metal, lights};
 
 /// The samples of one column of a built-in table, in both precisions; only the one that is used gets linked.
@@ -91,6 +91,15 @@ impl UniformTable {
     pub fn spectrum<R: Real>(&self, outside: Outside) -> Uniform<'static, R> {
         let (first, step) = (R::from_f64(f64::from(self.first)), R::from_f64(f64::from(self.step)));
         Uniform::from_table(first, step, R::samples(&self.samples), outside)
+    }
+
+    /// The value at a whole number of nm: that of [`spectrum`](Self::spectrum), without computing the place of samples.
+    #[inline]
+    pub(crate) fn at_whole<R: Real>(&self, wavelength: usize, outside: Outside) -> R {
+        let step = usize::from(self.step.max(1));
+        let offset = wavelength.checked_sub(usize::from(self.first)).filter(|offset| offset % step == 0);
+        let sample = offset.and_then(|offset| R::samples(&self.samples).get(offset / step));
+        sample.copied().unwrap_or_else(|| self.spectrum(outside).value(R::from_usize(wavelength)))
     }
 }
 
