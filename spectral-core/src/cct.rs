@@ -8,7 +8,7 @@
 use crate::Real;
 use crate::spectrum::RadiationConstant;
 use crate::summation::{SumGrid, tristimulus_sum};
-use crate::tables::ObserverTable;
+use crate::tables::observers::CIE_1931_2;
 
 /// Intervals between the nodes of the locus.
 const INTERVALS: usize = 256;
@@ -152,17 +152,17 @@ impl<R: Real> BlackBody<R> {
     }
 }
 
-/// A [`PlanckianLocus`] that keeps nothing: to the bit the same, for a single light in little memory.
+/// A [`PlanckianLocus`] of the 2° observer of 1931 that keeps nothing: to the bit the same, for a single light in little
+/// memory.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LeanLocus<R, const N: usize> {
     grid: SumGrid<N>,
-    observer: &'static ObserverTable,
     body: BlackBody<R>,
 }
 
 impl<R: Real, const N: usize> LeanLocus<R, N> {
-    pub(crate) fn new(grid: SumGrid<N>, observer: &'static ObserverTable, constant: RadiationConstant) -> Self {
-        Self { grid, observer, body: BlackBody::new(constant) }
+    pub(crate) fn new(grid: SumGrid<N>, constant: RadiationConstant) -> Self {
+        Self { grid, body: BlackBody::new(constant) }
     }
 
     /// The powers of [`PlanckianLocus::spectrum`].
@@ -216,7 +216,7 @@ impl<R: Real, const N: usize> Locus<R> for LeanLocus<R, N> {
     fn node(&self, index: usize) -> Node<R> {
         let rows = (0..N).map(|index| {
             let wavelength = self.grid.wavelength(index);
-            let cmf = self.grid.cmf(self.observer, index);
+            let cmf = self.grid.cmf(&CIE_1931_2, index);
             (cmf, self.body.rate(wavelength), BlackBody::weight(wavelength))
         });
         Node::of_tristimulus(tristimulus(rows, node_mired(index)))

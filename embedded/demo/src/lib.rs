@@ -14,13 +14,13 @@ use spectral_core::interval::{Domain, Interval, Pyramid, Weight, node_count};
 use spectral_core::light::{GeneralIndices, measure_indices};
 use spectral_core::spectrum::{Outside, RadiationConstant};
 use spectral_core::summation::SumGrid;
-use spectral_core::tables::{UniformTable, colorchecker, fluorescent};
+use spectral_core::tables::{UniformTable, colorchecker, led};
 use spectral_core::{Observer, tristimulus};
 
 use text::Text;
 
-/// The lamp: three narrow bands, 4000 K.
-const LAMP: UniformTable = fluorescent::FL11;
+/// The lamp: a white LED of 4100 K, a phosphor over blue.
+const LAMP: UniformTable = led::LED_B3;
 /// Its luminous flux in lm, and the radius in m of the disk that it is spread over.
 const FLUX: f32 = 5000.0;
 const RADIUS: f32 = 0.4;

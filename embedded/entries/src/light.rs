@@ -114,7 +114,7 @@ impl<R: Real> Locus<R> for Straight {
 }
 
 entries! {
-    light_measure_indices 2 ["light::measure_indices"] |run, R| {
+    light_measure_indices 8 ["light::measure_indices"] |run, R| {
         let light = light::<R>(run);
         let found = run.time_call(|| measure_indices(grid(), &light, CONSTANT));
         run.put_option(found.ok(), |run, found| put_indices(run, &found));

@@ -10,15 +10,14 @@ use crate::lanes::Lanes;
 use crate::spectrum::Outside;
 use crate::summation::SumGrid;
 use crate::tables::observers::CIE_1931_2;
-use crate::tables::{UniformTable, test_colours as tcs};
+use crate::tables::{TableGrid, test_colours as tcs};
 
 /// x̄, ȳ, z̄ times each of the eight reflectances, x̄, ȳ, z̄ themselves, and a zero that makes the number of sums even: at one
 /// wavelength.
 pub(crate) type Products<R> = [R; 28];
 
-/// The first eight Munsell samples: CIE 13.3-1995's test colours.
-static SAMPLES: [UniformTable; 8] =
-    [tcs::TCS01, tcs::TCS02, tcs::TCS03, tcs::TCS04, tcs::TCS05, tcs::TCS06, tcs::TCS07, tcs::TCS08];
+/// The grid of the tables of CIE 13.3-1995's test colours, of which the samples are the first eight.
+const GRID: TableGrid = TableGrid { first: tcs::TCS01.first, step: tcs::TCS01.step };
 
 /// The products of the first eight Munsell samples and the 2° observer of 1931, formed where they are needed: nothing is kept.
 #[derive(Clone, Copy, Debug)]
@@ -31,10 +30,41 @@ impl<const N: usize> EightSamples<N> {
         Self { grid }
     }
 
-    pub(crate) fn products<R: Real>(&self, index: usize) -> Products<R> {
+    /// x̄, ȳ, z̄ and the reflectances at one wavelength.
+    fn row<R: Real>(&self, index: usize) -> ([R; 3], [R; 8]) {
         let cmf = self.grid.cmf(&CIE_1931_2, index);
         let nanometres = self.grid.nanometres(index);
-        let reflectances = SAMPLES.each_ref().map(|table| table.at_whole(nanometres, Outside::Hold));
+        // Each by name and in this precision: so the other one is not linked, however code is built.
+        let samples: [&[R]; 8] = [
+            R::samples(&tcs::TCS01.samples),
+            R::samples(&tcs::TCS02.samples),
+            R::samples(&tcs::TCS03.samples),
+            R::samples(&tcs::TCS04.samples),
+            R::samples(&tcs::TCS05.samples),
+            R::samples(&tcs::TCS06.samples),
+            R::samples(&tcs::TCS07.samples),
+            R::samples(&tcs::TCS08.samples),
+        ];
+        (cmf, samples.map(|samples| GRID.at_whole(samples, nanometres, Outside::Hold)))
+    }
+
+    /// What [`EightSums::new`] gives with all products, to the bit, in less memory.
+    #[inline(never)]
+    pub(crate) fn sum<R: Real>(&self, light: impl Iterator<Item = R>, sums: &mut EightSums<R>) {
+        *sums = EightSums::zero();
+        for (index, power) in light.enumerate() {
+            let (cmf, reflectances) = self.row::<R>(index);
+            for ((white, channel), c) in sums.white.iter_mut().zip(&mut sums.samples).zip(cmf) {
+                *white += power * c;
+                for (sum, reflectance) in channel.iter_mut().zip(reflectances) {
+                    *sum += power * (c * reflectance);
+                }
+            }
+        }
+    }
+
+    pub(crate) fn products<R: Real>(&self, index: usize) -> Products<R> {
+        let (cmf, reflectances) = self.row(index);
         let mut products = [R::ZERO; 28];
         let (samples, white) = products.split_at_mut(24);
         for (channel, c) in samples.chunks_exact_mut(8).zip(cmf) {
@@ -64,6 +94,33 @@ impl<R: Real> EightSums<R> {
         let at = |first: usize| core::array::from_fn(|sample| sums[first + sample]);
         Self { white: [sums[24], sums[25], sums[26]], samples: [at(0), at(8), at(16)] }
     }
+
+    pub(crate) const fn zero() -> Self {
+        Self { white: [R::ZERO; 3], samples: [[R::ZERO; 8]; 3] }
+    }
+
+    /// XYZ of the light, relative to Y = 1.
+    pub(super) fn relative_white(&self) -> [R; 3] {
+        let [_, y, _] = self.white;
+        self.white.map(|c| c / y)
+    }
+
+    /// XYZ of a sample under the light, relative to the light's Y.
+    fn relative(&self, sample: usize) -> [R; 3] {
+        let [_, y, _] = self.white;
+        self.samples.map(|channel| channel.get(sample).copied().unwrap_or(R::ZERO) / y)
+    }
+
+    /// L\*, a\*, b\* of a sample under the light, relative to the light.
+    pub(super) fn lab(&self, sample: usize) -> [R; 3] {
+        xyz_to_lab(self.relative(sample), self.relative_white())
+    }
+
+    /// W\*, U\*, V\* of a sample under the light, relative to the light.
+    pub(super) fn uniform(&self, sample: usize) -> [R; 3] {
+        let xyz = self.relative(sample);
+        uniform(xyz_to_uv(xyz), xyz[1], xyz_to_uv(self.relative_white()))
+    }
 }
 
 /// Σ lightᵢ rowᵢ.
@@ -92,52 +149,29 @@ pub(crate) struct ReferenceColours<R> {
     pub(crate) uniform: [[R; 8]; 3],
 }
 
-/// White, CIELAB and CIE 1964 colours in one list.
-pub(super) const COMPONENTS: usize = 2 + 24 + 24;
-
 impl<R: Real> ReferenceColours<R> {
     pub(crate) const fn zero() -> Self {
         Self { white: [[R::ZERO; 2]], lab: [[R::ZERO; 8]; 3], uniform: [[R::ZERO; 8]; 3] }
     }
 
-    /// All components in a list.
-    pub(super) fn list(&self) -> [R; COMPONENTS] {
-        let values = self.white.as_flattened().iter().chain(self.lab.as_flattened()).chain(self.uniform.as_flattened());
-        let mut list = [R::ZERO; COMPONENTS];
-        for (place, &value) in list.iter_mut().zip(values) {
-            *place = value;
-        }
-        list
-    }
-
-    /// The colours that a list is of.
-    pub(super) fn from_list(list: &[R; COMPONENTS]) -> Self {
-        let mut found = Self::zero();
-        let Self { white, lab, uniform } = &mut found;
-        let places =
-            white.as_flattened_mut().iter_mut().chain(lab.as_flattened_mut()).chain(uniform.as_flattened_mut());
-        for (place, &value) in places.zip(list) {
-            *place = value;
-        }
-        found
-    }
-
     /// The colours from the sums of the reference light, which must have luminance.
     pub(crate) fn new(sums: &EightSums<R>) -> Self {
-        let y = sums.white[1];
-        let white = sums.white.map(|c| c / y);
-        let uv = xyz_to_uv(white);
-        let mut found = Self { white: [[white[0], white[2]]], ..Self::zero() };
+        let [x, _, z] = sums.relative_white();
+        let mut found = Self { white: [[x, z]], ..Self::zero() };
         for sample in 0..8 {
-            let xyz = sums.samples.map(|channel| channel[sample] / y);
-            for (channel, value) in found.lab.iter_mut().zip(xyz_to_lab(xyz, white)) {
-                channel[sample] = value;
-            }
-            for (channel, value) in found.uniform.iter_mut().zip(uniform(xyz_to_uv(xyz), xyz[1], uv)) {
-                channel[sample] = value;
-            }
+            set(&mut found.lab, sample, sums.lab(sample));
+            set(&mut found.uniform, sample, sums.uniform(sample));
         }
         found
+    }
+}
+
+/// Sets the colour of a sample, by channel.
+pub(super) fn set<R: Real>(colours: &mut [[R; 8]; 3], sample: usize, colour: [R; 3]) {
+    for (channel, value) in colours.iter_mut().zip(colour) {
+        if let Some(place) = channel.get_mut(sample) {
+            *place = value;
+        }
     }
 }
 

@@ -1,6 +1,6 @@
 //! The colours of the samples under a reference light as piecewise polynomials in its reciprocal temperature.
 
-use super::eight::{COMPONENTS, ReferenceColours};
+use super::eight::{EightSums, ReferenceColours, set};
 use super::{ReferenceKind, ReferenceLight};
 use crate::Real;
 
@@ -50,19 +50,24 @@ impl<R: Real> ReferencePiece<R> {
     /// Interpolates the colours in a piece; `None` when they are not known somewhere in it.
     pub(crate) fn new(
         piece: usize,
-        colours: impl FnMut(ReferenceLight<R>) -> Option<ReferenceColours<R>>,
+        sums: impl FnMut(ReferenceLight<R>, &mut EightSums<R>) -> Option<()>,
     ) -> Option<Self> {
-        let values = at_nodes(PIECES.get(piece)?, colours)?;
-        let mut lists = [[R::ZERO; COMPONENTS]; ORDER];
-        for component in 0..COMPONENTS {
-            let powers = power_coefficients(&column(&values, component));
-            for (list, power) in lists.iter_mut().zip(powers) {
-                if let Some(place) = list.get_mut(component) {
-                    *place = power;
-                }
+        let mut nodes = [EightSums::zero(); ORDER];
+        sum_nodes(&mut nodes, PIECES.get(piece)?, sums)?;
+        let mut coefficients = [ReferenceColours::zero(); ORDER];
+        let white = powers_of(&nodes, |sums| sums.relative_white());
+        for (power, colours) in coefficients.iter_mut().enumerate() {
+            let [x, _, z] = at(&white, power);
+            colours.white = [[x, z]];
+        }
+        for sample in 0..8 {
+            let (lab, uniform) = (powers_of(&nodes, |s| s.lab(sample)), powers_of(&nodes, |s| s.uniform(sample)));
+            for (power, colours) in coefficients.iter_mut().enumerate() {
+                set(&mut colours.lab, sample, at(&lab, power));
+                set(&mut colours.uniform, sample, at(&uniform, power));
             }
         }
-        Some(Self { coefficients: lists.map(|list| ReferenceColours::from_list(&list)) })
+        Some(Self { coefficients })
     }
 
     /// The colours under a reference light of the piece.
@@ -93,23 +98,24 @@ impl<R: Real> ReferencePiece<R> {
     }
 }
 
-/// What [`ReferencePiece::at`] gives, to the bit, without the polynomials: component by component, in 3 KB in `f32`.
+/// What [`ReferencePiece::at`] gives, to the bit, without keeping the polynomials.
 #[inline(never)]
 pub(crate) fn interpolated<R: Real>(
     piece: usize,
     temperature: R,
-    colours: impl FnMut(ReferenceLight<R>) -> Option<ReferenceColours<R>>,
+    sums: impl FnMut(ReferenceLight<R>, &mut EightSums<R>) -> Option<()>,
 ) -> Option<ReferenceColours<R>> {
     let piece = PIECES.get(piece)?;
-    let values = at_nodes(piece, colours)?;
+    let mut nodes = [EightSums::zero(); ORDER];
+    sum_nodes(&mut nodes, piece, sums)?;
     let position = position(piece, temperature);
-    let mut list = [R::ZERO; COMPONENTS];
-    for (component, sum) in list.iter_mut().enumerate() {
-        for coefficient in power_coefficients(&column(&values, component)).into_iter().rev() {
-            *sum = *sum * position + coefficient;
-        }
+    let [x, _, z] = values_at(position, &nodes, |sums| sums.relative_white());
+    let mut found = ReferenceColours { white: [[x, z]], ..ReferenceColours::zero() };
+    for sample in 0..8 {
+        set(&mut found.lab, sample, values_at(position, &nodes, |sums| sums.lab(sample)));
+        set(&mut found.uniform, sample, values_at(position, &nodes, |sums| sums.uniform(sample)));
     }
-    Some(ReferenceColours::from_list(&list))
+    Some(found)
 }
 
 /// The place of a temperature in a piece, from −1 to 1.
@@ -118,23 +124,49 @@ fn position<R: Real>(&(_, first, last): &(ReferenceKind, f64, f64), temperature:
     (mired - R::from_f64(0.5 * (first + last))) * R::from_f64(2.0 / (last - first))
 }
 
-/// The components under the reference lights at the Chebyshev nodes of a piece.
-#[inline(always)]
-fn at_nodes<R: Real>(
+/// Writes the sums under the reference lights at the Chebyshev nodes of a piece.
+fn sum_nodes<R: Real>(
+    nodes: &mut [EightSums<R>; ORDER],
     &(kind, first, last): &(ReferenceKind, f64, f64),
-    mut colours: impl FnMut(ReferenceLight<R>) -> Option<ReferenceColours<R>>,
-) -> Option<[[R; COMPONENTS]; ORDER]> {
-    let mut values = [[R::ZERO; COMPONENTS]; ORDER];
-    for (node, value) in values.iter_mut().enumerate() {
+    mut sums: impl FnMut(ReferenceLight<R>, &mut EightSums<R>) -> Option<()>,
+) -> Option<()> {
+    for (node, place) in nodes.iter_mut().enumerate() {
         let mired = R::from_f64(0.5 * (first + last)) + R::from_f64(0.5 * (last - first)) * wave(2 * node + 1);
-        *value = colours(ReferenceLight { kind, temperature: R::from_f64(1e6) / mired })?.list();
+        sums(ReferenceLight { kind, temperature: R::from_f64(1e6) / mired }, place)?;
     }
-    Some(values)
+    Some(())
 }
 
-/// One component at all nodes.
-fn column<R: Real>(values: &[[R; COMPONENTS]; ORDER], component: usize) -> [R; ORDER] {
-    values.each_ref().map(|value| value.get(component).copied().unwrap_or(R::ZERO))
+/// The polynomials of three functions of the sums, which are known at all nodes.
+fn powers_of<R: Real>(nodes: &[EightSums<R>; ORDER], functions: impl Fn(&EightSums<R>) -> [R; 3]) -> [[R; ORDER]; 3] {
+    let mut columns = [[R::ZERO; ORDER]; 3];
+    for (node, sums) in nodes.iter().enumerate() {
+        for (column, value) in columns.iter_mut().zip(functions(sums)) {
+            if let Some(place) = column.get_mut(node) {
+                *place = value;
+            }
+        }
+    }
+    for column in &mut columns {
+        power_coefficients(column);
+    }
+    columns
+}
+
+/// The values of such polynomials at a position.
+#[inline(never)]
+fn values_at<R: Real>(
+    position: R,
+    nodes: &[EightSums<R>; ORDER],
+    functions: impl Fn(&EightSums<R>) -> [R; 3],
+) -> [R; 3] {
+    let horner = |powers: &[R; ORDER]| powers.iter().rev().fold(R::ZERO, |sum, &power| sum * position + power);
+    powers_of(nodes, functions).each_ref().map(horner)
+}
+
+/// The entry of each list at an index.
+fn at<R: Real>(lists: &[[R; ORDER]; 3], index: usize) -> [R; 3] {
+    lists.each_ref().map(|list| list.get(index).copied().unwrap_or(R::ZERO))
 }
 
 /// cos(π m / 26) of whole numbers up to 13: the cosines of Chebyshev's nodes times the degrees are among them.
@@ -163,12 +195,12 @@ fn wave<R: Real>(m: usize) -> R {
     R::from_f64(if half > ORDER { -cosine } else { cosine })
 }
 
-/// The coefficients of the powers of the position, from the values at the nodes.
+/// Turns the values at the nodes into the coefficients of the powers of the position.
 ///
 /// Those of the Chebyshev series fall so fast here that the large coefficients of Chebyshev polynomials of high degree do
 /// not matter.
 #[inline(never)]
-fn power_coefficients<R: Real>(values: &[R; ORDER]) -> [R; ORDER] {
+fn power_coefficients<R: Real>(values: &mut [R; ORDER]) {
     let mut powers = [R::ZERO; ORDER];
     for (degree, chebyshev) in CHEBYSHEV.iter().enumerate() {
         let mut sum = R::ZERO;
@@ -182,7 +214,7 @@ fn power_coefficients<R: Real>(values: &[R; ORDER]) -> [R; ORDER] {
             *power += coefficient * R::from_f64(f64::from(factor));
         }
     }
-    powers
+    *values = powers;
 }
 
 /// The coefficients of the Chebyshev polynomials by degree and power: T₀ = 1, T₁ = x, Tₙ₊₁ = 2 x Tₙ − Tₙ₋₁.
@@ -209,7 +241,7 @@ const fn chebyshev() -> [[i16; ORDER]; ORDER] {
 mod tests {
     use super::*;
     use crate::cct::PlanckianLocus;
-    use crate::colour_rendering::{EightSamples, EightSums};
+    use crate::colour_rendering::EightSamples;
     use crate::spectrum::RadiationConstant;
     use crate::summation::SumGrid;
     use crate::tables::observers::CIE_1931_2;
@@ -222,9 +254,9 @@ mod tests {
         let locus = PlanckianLocus::new(grid, &observer, RadiationConstant::Its1990);
         let exact_locus = PlanckianLocus::new(grid, &exact, RadiationConstant::Its1990);
         let samples = EightSamples::new(grid);
-        let colours = |light: ReferenceLight<R>| {
-            let rows = (0..81).map(|index| samples.products(index));
-            Some(ReferenceColours::new(&EightSums::new(light.spectrum(grid, &locus)?.into_iter(), rows)))
+        let sums = |light: ReferenceLight<R>, sums: &mut EightSums<R>| {
+            samples.sum(light.spectrum(grid, &locus)?.into_iter(), sums);
+            Some(())
         };
         let exact_colours = |light: ReferenceLight<f64>| {
             let rows = (0..81).map(|index| samples.products(index));
@@ -233,7 +265,7 @@ mod tests {
         let mut worst = [0.0_f64; PIECE_COUNT];
         for (piece, worst) in worst.iter_mut().enumerate() {
             let (kind, first, last) = PIECES[piece];
-            let polynomials = ReferencePiece::new(piece, colours).unwrap();
+            let polynomials = ReferencePiece::new(piece, sums).unwrap();
             for step in 0..=500 {
                 let mired = first + (last - first) * f64::from(step) / 500.0;
                 let temperature = R::from_f64(1e6 / mired);

@@ -40,18 +40,21 @@ pub fn measure_indices<R: Real, const N: usize>(
     light: &[R; N],
     constant: RadiationConstant,
 ) -> Result<GeneralIndices<R>, LightError> {
-    let locus = LeanLocus::new(grid, &CIE_1931_2, constant);
-    let samples = EightSamples::new(grid);
-    let rows = || (0..N).map(|index| samples.products(index));
-    general(light, rows, &locus, |reference| {
-        let colours = |reference: ReferenceLight<R>| {
-            let powers = reference.powers(grid, &locus)?;
-            colours_of(&EightSums::new((0..N).map(powers), rows()))
+    let scale = R::ONE / unit(light)?;
+    let (locus, samples) = (LeanLocus::new(grid, constant), EightSamples::new(grid));
+    let mut sums = EightSums::zero();
+    samples.sum(light.iter().map(|&sample| sample * scale), &mut sums);
+    general(&sums, &locus, |reference| {
+        let sum = |reference: ReferenceLight<R>, sums: &mut EightSums<R>| {
+            samples.sum((0..N).map(reference.powers(grid, &locus)?), sums);
+            has_luminance(sums)
         };
-        match piece_of(reference) {
-            Some(piece) => interpolated(piece, reference.temperature, colours),
-            None => colours(reference),
+        if let Some(piece) = piece_of(reference) {
+            return interpolated(piece, reference.temperature, sum);
         }
+        let mut sums = EightSums::zero();
+        sum(reference, &mut sums)?;
+        Some(ReferenceColours::new(&sums))
     })
 }
 
@@ -90,8 +93,11 @@ impl<R: Real, const N: usize> IndexMeter<R, N> {
         let locus = PlanckianLocus::new(grid, &observer, constant);
         let samples = EightSamples::new(grid);
         let products: [_; N] = core::array::from_fn(|index| samples.products(index));
-        let colours = |reference| colours_under(reference, grid, &locus, products.iter().copied());
-        let pieces = core::array::from_fn(|piece| ReferencePiece::new(piece, colours));
+        let sum = |reference, sums: &mut EightSums<R>| {
+            *sums = sums_under(reference, grid, &locus, products.iter().copied())?;
+            Some(())
+        };
+        let pieces = core::array::from_fn(|piece| ReferencePiece::new(piece, sum));
         Self { grid, locus, nodes: LocusTable::new(&locus), products, pieces }
     }
 
@@ -101,43 +107,43 @@ impl<R: Real, const N: usize> IndexMeter<R, N> {
     /// [`LightError`] when a sample is negative or not finite, or the light has no power in the visible range.
     pub fn measure(&self, light: &[R; N]) -> Result<GeneralIndices<R>, LightError> {
         let rows = || self.products.iter().copied();
-        general(light, rows, &self.nodes, |reference| match piece_of(reference) {
+        let scale = R::ONE / unit(light)?;
+        let sums = EightSums::new(light.iter().map(|&sample| sample * scale), rows());
+        general(&sums, &self.nodes, |reference| match piece_of(reference) {
             Some(piece) => self.pieces.get(piece)?.as_ref()?.at(piece, reference.temperature),
-            None => colours_under(reference, self.grid, &self.locus, rows()),
+            None => sums_under(reference, self.grid, &self.locus, rows()).as_ref().map(ReferenceColours::new),
         })
     }
 }
 
 /// The one implementation of both forms.
 #[inline]
-fn general<R: Real, I: Iterator<Item = Products<R>>, const N: usize>(
-    light: &[R; N],
-    rows: impl Fn() -> I,
+fn general<R: Real>(
+    sums: &EightSums<R>,
     nodes: &impl Locus<R>,
     colours: impl FnOnce(ReferenceLight<R>) -> Option<ReferenceColours<R>>,
 ) -> Result<GeneralIndices<R>, LightError> {
-    let scale = R::ONE / unit(light)?;
-    let sums = EightSums::new(light.iter().map(|&sample| sample * scale), rows());
     let chromaticity = chromaticity(sums.white, nodes)?;
     let Some(reference) = chromaticity.reference else {
         return Ok(GeneralIndices { chromaticity, ra: None, cri00: None });
     };
-    let [ra, cri00] = general_indices(&sums, &colours(reference).ok_or(LightError::Dark)?);
+    let [ra, cri00] = general_indices(sums, &colours(reference).ok_or(LightError::Dark)?);
     Ok(GeneralIndices { chromaticity, ra: Some(ra), cri00: Some(cri00) })
 }
 
 /// The samples under a reference light, summed.
-fn colours_under<R: Real, const N: usize>(
+fn sums_under<R: Real, const N: usize>(
     reference: ReferenceLight<R>,
     grid: SumGrid<N>,
     locus: &PlanckianLocus<R, N>,
     rows: impl Iterator<Item = Products<R>>,
-) -> Option<ReferenceColours<R>> {
+) -> Option<EightSums<R>> {
     let spectrum = reference.spectrum(grid, locus)?;
-    colours_of(&EightSums::new(spectrum.iter().copied(), rows))
+    let sums = EightSums::new(spectrum.iter().copied(), rows);
+    has_luminance(&sums).map(|()| sums)
 }
 
 /// `None` for a light without luminance.
-fn colours_of<R: Real>(sums: &EightSums<R>) -> Option<ReferenceColours<R>> {
-    (sums.white[1] > R::ZERO).then(|| ReferenceColours::new(sums))
+fn has_luminance<R: Real>(sums: &EightSums<R>) -> Option<()> {
+    (sums.white[1] > R::ZERO).then_some(())
 }

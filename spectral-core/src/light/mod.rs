@@ -225,6 +225,9 @@ impl<R: Real, L: Locus<R>, M: TestColours<R, N, 14>, C: TestColours<R, N, 10>, c
 }
 
 /// Colour, colour temperature and reference light from tristimulus sums.
+///
+/// Not inlined, so that its stack is free again before that of colour rendering is needed.
+#[inline(never)]
 fn chromaticity<R: Real>(sums: [R; 3], nodes: &impl Locus<R>) -> Result<Chromaticity<R>, LightError> {
     let xyz = sums.map(|sum| sum / sums[1]);
     let uv = xyz_to_uv(xyz);

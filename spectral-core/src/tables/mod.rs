@@ -92,14 +92,27 @@ impl UniformTable {
         let (first, step) = (R::from_f64(f64::from(self.first)), R::from_f64(f64::from(self.step)));
         Uniform::from_table(first, step, R::samples(&self.samples), outside)
     }
+}
 
-    /// The value at a whole number of nm: that of [`spectrum`](Self::spectrum), without computing the place of samples.
+/// Where the samples of a table are.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct TableGrid {
+    pub(crate) first: u16,
+    pub(crate) step: u16,
+}
+
+impl TableGrid {
+    /// The value of a table's samples at a whole number of nm: that of its [spectrum](UniformTable::spectrum), without
+    /// computing the place of samples.
     #[inline]
-    pub(crate) fn at_whole<R: Real>(&self, wavelength: usize, outside: Outside) -> R {
-        let step = usize::from(self.step.max(1));
-        let offset = wavelength.checked_sub(usize::from(self.first)).filter(|offset| offset % step == 0);
-        let sample = offset.and_then(|offset| R::samples(&self.samples).get(offset / step));
-        sample.copied().unwrap_or_else(|| self.spectrum(outside).value(R::from_usize(wavelength)))
+    pub(crate) fn at_whole<R: Real>(self, samples: &'static [R], wavelength: usize, outside: Outside) -> R {
+        let (first, step) = (usize::from(self.first), usize::from(self.step.max(1)));
+        let offset = wavelength.checked_sub(first).filter(|offset| offset % step == 0);
+        let sample = offset.and_then(|offset| samples.get(offset / step));
+        sample.copied().unwrap_or_else(|| {
+            let spectrum = Uniform::from_table(R::from_usize(first), R::from_usize(step), samples, outside);
+            spectrum.value(R::from_usize(wavelength))
+        })
     }
 }
 
