@@ -52,7 +52,7 @@ fn paint() -> Option<Evaluation<f32>> {
     let ops = [Op::Leaf(0), Op::Leaf(1), Op::Product];
     let program = Program::new(&ops).ok()?;
     let white = tristimulus(domain.observer(), &lamp, 380.0, 780.0);
-    let target = Target { mode: Mode::Certified, threshold: 1.0, white };
+    let target = Target { mode: Mode::Certified, threshold: 2.0, white };
     let (mut stack, mut pieces) = ([Interval::zero(); 2], [Piece::default(); 16]);
     evaluate(&program, &domain, &target, &mut leaves.as_slice(), &mut stack, &mut pieces).ok()
 }

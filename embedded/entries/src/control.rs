@@ -3,9 +3,9 @@
 entries! {
     /// Nothing: its size, stack and time are the harness's own.
     control_empty 4 [] |run, R| {
-        let value: R = run.unit();
+        let value: (u32, Option<R>) = (run.bits(), None);
         let result = run.time_call(|| value);
-        run.put(result);
+        run.put_bits(u64::from(result.0));
     }
     /// An index that may be out of bounds.
     control_index 1 [] |run, R| {

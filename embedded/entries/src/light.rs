@@ -134,7 +134,7 @@ entries! {
         "light::LightMeter::new", "light::LightMeter::measure", "light::LightMeter::chromaticity",
         "light::LightMeter::munsell",
     ] |run, R| {
-        let light = light::<R>(run);
+        let light = fine_light::<R>(run);
         let meter = LightMeter::new(grid(), CONSTANT);
         let found = run.time_call(|| meter.measure(&light));
         run.put_option(found.ok(), |run, found| put_measures(run, &found));

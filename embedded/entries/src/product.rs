@@ -84,7 +84,7 @@ entries! {
             run.put_all(divisor.relighting(&tensor, light).matrix().as_flattened());
         });
     }
-    bilinear_estimate 1 ["bilinear::estimate", "bilinear::estimate_rgb"] |run, R| {
+    bilinear_estimate 3 ["bilinear::estimate", "bilinear::estimate_rgb"] |run, R| {
         let nodes: [[R; 3]; 6] = core::array::from_fn(|_| run.array(0.0, 1.0));
         let count = run.index(9);
         let found = run.time_call(|| {

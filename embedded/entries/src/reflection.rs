@@ -93,7 +93,7 @@ entries! {
             put_brdf(run, &glossy);
         });
     }
-    brdf_glossy_albedo 1 [] |run, R| {
+    brdf_glossy_albedo 3 [] |run, R| {
         let (diffuse, specular) = (run.within(0.1, 0.4), run.within(0.1, 0.6));
         let model = ward::<R>(run).and_then(|model| Glossy::new(diffuse, specular, model).ok());
         run.put_option(model, |run, glossy| {

@@ -21,7 +21,8 @@ const BUDGET: (&str, f64, f64) = ("light_measure_indices", 65_536.0, 4096.0);
 struct Figures {
     flash: f64,
     stack: f64,
-    instructions: f64,
+    /// None where no call is timed.
+    instructions: Option<f64>,
 }
 
 /// The table.
@@ -34,11 +35,12 @@ pub(crate) struct Table {
 /// What a row costs above the empty one.
 fn figures(report: Option<&Report>, empty: &Report, target: &Target) -> Option<Figures> {
     let (row, none) = (report?.rows.first()?, empty.rows.first()?);
-    let a_call = |(instructions, calls): (f64, f64)| if calls > 0.0 { instructions / calls } else { 0.0 };
+    let a_call = |(instructions, calls): (f64, f64)| (calls > 0.0).then_some(instructions / calls);
+    let instructions = a_call(row.instructions(target)).zip(a_call(none.instructions(target)));
     Some(Figures {
         flash: report?.flash as f64 - empty.flash as f64,
         stack: row.stack as f64,
-        instructions: (a_call(row.instructions(target)) - a_call(none.instructions(target))).round().max(0.0),
+        instructions: instructions.map(|(row, none)| (row - none).round().max(0.0)),
     })
 }
 
@@ -80,9 +82,10 @@ impl Table {
             let _ = write!(text, "| `{name}` |");
             for figures in figures {
                 let _ = match figures {
-                    Some(Figures { flash, stack, instructions }) => {
+                    Some(Figures { flash, stack, instructions: Some(instructions) }) => {
                         write!(text, " {flash} | {stack} | {instructions} |")
                     }
+                    Some(Figures { flash, stack, instructions: None }) => write!(text, " {flash} | {stack} | – |"),
                     None => write!(text, " – | – | – |"),
                 };
             }
