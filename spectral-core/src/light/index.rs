@@ -31,7 +31,7 @@ pub struct GeneralIndices<R> {
 /// 750 K on (measured: 3e-11). The exception is CRI00 of a single line, under which all samples are grey to
 /// rounding: ΔH′ grows with the square root of a chroma, so that it is off by some 1e-6. In `f32` those of the CIE's lights are within 5e-4 of those in `f64`. It computes
 /// reference lights of 13 temperatures, and keeps the colours of the samples under them meanwhile: it needs less than 4 KB of
-/// stack in `f32` on a Cortex-M, 7 KB in `f64`.
+/// stack in `f32` on a Cortex-M, 8 KB in `f64`.
 ///
 /// # Errors
 /// [`LightError`] when a sample is negative or not finite, or the light has no power in the visible range.
