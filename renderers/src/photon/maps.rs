@@ -218,22 +218,29 @@ impl<'s> Maps<'s> {
         (steepest, reached)
     }
 
-    /// The band itself, or the half, quarter, … of all waves that it is in, if it is so narrow that photons of one map will do for these: as
-    /// each photon has a wavelength of its own, they may move by a radius, which is half of what the kernel spreads it over, or by a pixel, which is twice `least`.
-    /// Dispersion is taken to fall like Cauchy's, and fluxes change little.
-    fn widened(&self, band: Band, radius: f32, least: f32) -> Band {
+    /// The bands whose photons stand for those of a band, with their shares of it: the band itself, or those of the halves, quarters, … of all
+    /// waves that it is in, if it is so narrow that photons of one map will do for these: as each photon has a wavelength of its own, they may
+    /// move by a radius, which is half of what the kernel spreads it over, or by a pixel, which is twice `least`. Dispersion is taken to fall like
+    /// Cauchy's, and fluxes change little.
+    ///
+    /// A narrow band across a limit takes photons from both sides: from one alone, it would have the place of waves that are not its own, and
+    /// these would be missing on the other side of the limit, so that bands would show.
+    fn standing_for(&self, band: Band, radius: f32, least: f32) -> [Option<(Band, f64)>; 2] {
         let whole = LAST_WAVELENGTH - FIRST_WAVELENGTH;
         let [from, to] = band.limits;
-        let wavelength = f64::midpoint(from, to);
-        let shift = self.shift * (MOST_DISPERSIVE[0] / wavelength).powi(3);
+        let shift = self.shift * (MOST_DISPERSIVE[0] / f64::midpoint(from, to)).powi(3);
         let by_flux = CHANGE * f64::from(PROBES) / self.steepest;
         let narrowest = (f64::from(radius.max(2.0 * least)) / shift).min(by_flux).clamp(NARROWEST, whole);
         if to == from || to - from >= narrowest {
-            return band;
+            return [Some((band, 1.0)), None];
         }
         let width = whole / (whole / narrowest).log2().floor().exp2();
-        let first = FIRST_WAVELENGTH + width * ((wavelength - FIRST_WAVELENGTH) / width).floor();
-        Band { wavelength: f64::midpoint(first, first + width), limits: [first, first + width] }
+        let first = FIRST_WAVELENGTH + width * ((from - FIRST_WAVELENGTH) / width).floor();
+        let wide = |from: f64| Band { wavelength: from + width / 2.0, limits: [from, from + width] };
+        // It is not as wide as these: there is one limit in it at most.
+        let share = self.waves.share(band, first + width);
+        let is_part = |(_, share): &(Band, f64)| *share > 0.0;
+        [Some((wide(first), share)).filter(is_part), Some((wide(first + width), 1.0 - share)).filter(is_part)]
     }
 
     /// Throws all paths at as many wavelengths as it takes for interpolation.
@@ -274,7 +281,9 @@ impl<'s> Maps<'s> {
             let photons = curves.photons(band.limits, wavelength_of);
             return Thrown::new(photons, Arc::clone(spectra), self.emission);
         }
-        let mut spectra = (*self.even.spectra).clone();
+        // Beginning with those of all waves, products have the same numbers in all maps, but for rare ones.
+        let whole = self.whole.as_ref().and_then(|slot| slot.thrown.get());
+        let mut spectra = Spectra::clone(&whole.unwrap_or(&self.even).spectra);
         #[allow(clippy::cast_possible_truncation, reason = "paths have numbers of 32 bits")]
         let thrown = self.emission.throw(&self.prefixes, |path| wavelength_of(path as u32), &mut spectra);
         let photons: Vec<Photon> = thrown.photons.into_iter().map(|s| s.photon).collect();
@@ -383,8 +392,14 @@ impl<'s> Maps<'s> {
         Arc::clone(spectra)
     }
 
-    /// Finds the light that reaches a hit, within a reach or by one that is chosen, with the least radius.
-    fn find(&self, thrown: &Thrown, hit: &Hit, reach: Result<Reach, f32>, found: &mut Arrived) -> Arc<Spectra> {
+    /// Finds a share of the light that reaches a hit, within a reach or by one that is chosen, with the least radius.
+    fn find(
+        &self,
+        (thrown, share): (&Thrown, f64),
+        hit: &Hit,
+        reach: Result<Reach, f32>,
+        found: &mut Arrived,
+    ) -> Arc<Spectra> {
         let Thrown { map, spectra, .. } = thrown;
         let (place, scratch, worth) = (self.place(hit), &mut found.scratch, |photon: &Photon| thrown.worth(photon));
         match reach {
@@ -405,7 +420,7 @@ impl<'s> Maps<'s> {
         let (photons, error) = (map.photons(), found.scratch.error_of_a_photon());
         for (number, weight) in found.scratch.photons() {
             let Some(photon) = photons.get(number as usize) else { continue };
-            let irradiance = f64::from(weight) * f64::from(photon.flux);
+            let irradiance = share * f64::from(weight) * f64::from(photon.flux);
             found.list.push(Arriving {
                 direction: glam::Vec3A::from_array(photon.direction).as_dvec3(),
                 irradiance,
@@ -493,6 +508,21 @@ impl<'s> Maps<'s> {
     }
 }
 
+/// Gives light that refers to its own products of spectra the numbers that these have in a table, which is extended if need be.
+fn renumbered(list: &mut [Arriving], own: &Arc<Spectra>, mut table: Arc<Spectra>) -> Arc<Spectra> {
+    if Arc::ptr_eq(own, &table) {
+        return table;
+    }
+    for arriving in list {
+        let leaves = own.leaves(arriving.spectrum);
+        if table.leaves(arriving.spectrum) != leaves || table.len() <= arriving.spectrum as usize {
+            let from_light: Vec<u32> = leaves.iter().rev().copied().collect();
+            arriving.spectrum = Arc::make_mut(&mut table).number(&from_light);
+        }
+    }
+    table
+}
+
 /// Photons in the order of their paths and branches.
 fn sorted(mut photons: Vec<Scattered>) -> Vec<Scattered> {
     photons.sort_by_key(|s| (s.path, s.branch));
@@ -501,12 +531,20 @@ fn sorted(mut photons: Vec<Scattered>) -> Vec<Scattered> {
 
 impl Caustics for Maps<'_> {
     fn arriving(&self, hit: &Hit, least: f32, band: Option<(Band, Reach)>, found: &mut Arrived) -> Arc<Spectra> {
-        let Some((band, reach)) = band else { return self.find(&self.even, hit, Err(least), found) };
+        let Some((band, reach)) = band else { return self.find((&self.even, 1.0), hit, Err(least), found) };
         if let Some(farthest) = reach.farthest {
             return self.find_moved((hit, farthest), (band, reach), found);
         }
-        let slot = self.bands.get(self.widened(band, reach.radius, least));
-        self.find(slot.thrown(|band| self.throw(band)), hit, Ok(reach), found)
+        let mut spectra = None;
+        for (band, share) in self.standing_for(band, reach.radius, least).into_iter().flatten() {
+            let (slot, before) = (self.bands.get(band), found.list.len());
+            let own = self.find((slot.thrown(|band| self.throw(band)), share), hit, Ok(reach), found);
+            spectra = Some(match spectra {
+                None => own,
+                Some(first) => renumbered(&mut found.list[before..], &own, first),
+            });
+        }
+        spectra.unwrap_or_else(|| Arc::clone(&self.even.spectra))
     }
 
     /// The radius is that for all waves, so that estimates for bands of them differ by nothing else. Where there are too few for that, as at

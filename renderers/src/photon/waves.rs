@@ -65,6 +65,14 @@ impl Waves {
         self.at(band, (f64::from(path) * GOLDEN).fract())
     }
 
+    /// The share of a band's sensitivity that is below a wavelength in nm.
+    pub(crate) fn share(&self, band: Band, wavelength: f64) -> f64 {
+        let [from, to] = band.limits;
+        let [below, at, above] = [from, wavelength.clamp(from, to), to].map(|w| self.below(w));
+        let share = if above > below { (at - below) / (above - below) } else { (wavelength - from) / (to - from) };
+        share.clamp(0.0, 1.0)
+    }
+
     /// The wavelength in nm below which this share of a band's sensitivity is.
     fn at(&self, band: Band, share: f64) -> f64 {
         let [from, to] = band.limits;
@@ -153,6 +161,7 @@ mod tests {
                 assert!(wavelength >= before);
                 before = wavelength;
                 let below = integral(limits[0], wavelength) / integral(limits[0], limits[1]);
+                assert!((waves.share(band, wavelength) - share).abs() <= 1e-12, "{limits:?} {share}");
                 // The table takes the sensitivity as constant within a step, where it changes by less than 5 %; it is nowhere more than
                 // four times the band's mean.
                 assert!(
@@ -177,5 +186,6 @@ mod tests {
         let waves = Waves { cumulative: vec![0.0; 401], nearby: Vec::new(), bundle: Bundle::Continuous };
         let band = Band { wavelength: 500.0, limits: [400.0, 600.0] };
         assert_eq!(waves.at(band, 0.25), 450.0);
+        assert_eq!([300.0, 450.0, 700.0].map(|wavelength| waves.share(band, wavelength)), [0.0, 0.25, 1.0]);
     }
 }
