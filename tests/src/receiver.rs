@@ -74,20 +74,22 @@ impl Receiver {
         Ok((self.irradiance(&whole).minus(&self.irradiance(&direct)), report))
     }
 
-    /// The irradiance that a square picture shows.
+    /// The irradiance that a picture shows: of all of the receiver, or of a strip along its middle if it is less high than wide.
     #[must_use]
     pub fn irradiance(&self, rendering: &Rendering) -> Irradiance {
         let pixels = rendering.picture.pixels();
         let xyz = |rgb: &[f32; 3]| linear_rgb_to_xyz(rgb.map(f64::from)).map(|value| PI * value / REFLECTANCE);
-        Irradiance { side: rendering.picture.width(), half: self.half, xyz: pixels.iter().map(xyz).collect() }
+        let size = [rendering.picture.width(), rendering.picture.height()];
+        Irradiance { size, pixel: 2.0 * self.half / count(size[0]), xyz: pixels.iter().map(xyz).collect() }
     }
 }
 
 /// A map of irradiance on a receiver in XYZ: ∫E x̄ … relative to ∫ȳ, over 380–780 nm.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Irradiance {
-    side: usize,
-    half: f64,
+    size: [usize; 2],
+    /// The side of a pixel.
+    pixel: f64,
     xyz: Vec<[f64; 3]>,
 }
 
@@ -97,7 +99,7 @@ impl Irradiance {
     pub fn minus(&self, other: &Self) -> Self {
         let pairs = self.xyz.iter().zip(&other.xyz);
         let xyz = pairs.map(|(a, b)| core::array::from_fn(|c| a[c] - b[c])).collect();
-        Self { side: self.side, half: self.half, xyz }
+        Self { xyz, ..*self }
     }
 
     /// All pixels, row by row.
@@ -109,17 +111,18 @@ impl Irradiance {
     /// The area of a pixel.
     #[must_use]
     pub fn area(&self) -> f64 {
-        self.pixel() * self.pixel()
+        self.pixel * self.pixel
     }
 
-    fn pixel(&self) -> f64 {
-        2.0 * self.half / count(self.side)
-    }
-
-    /// Where a number of columns or rows from the first side is, from the middle.
+    /// Where a number of columns from the first side is, from the middle.
     #[must_use]
     pub fn place(&self, number: f64) -> f64 {
-        number * self.pixel() - self.half
+        self.along(0, number)
+    }
+
+    /// The same of columns (0) or rows (1).
+    fn along(&self, axis: usize, number: f64) -> f64 {
+        (number - count(self.size[axis]) / 2.0) * self.pixel
     }
 
     /// The flux on all of the receiver.
@@ -131,7 +134,7 @@ impl Irradiance {
     /// The flux in a rectangle, given by what it spans along columns and rows from the middle: pixels count by their part of it.
     #[must_use]
     pub fn flux_in(&self, columns: &Range<f64>, rows: &Range<f64>) -> [f64; 3] {
-        let [across, along] = [columns, rows].map(|span| self.shares(span));
+        let [across, along] = [self.shares(0, columns), self.shares(1, rows)];
         self.sum(|column, row| across[column] * along[row])
     }
 
@@ -140,9 +143,11 @@ impl Irradiance {
     pub fn flux_within(&self, radius: f64) -> [f64; 3] {
         const FINE: u32 = 16;
         self.sum(|column, row| {
-            let at = |number: usize, part: u32| self.place(count(number) + (f64::from(part) + 0.5) / f64::from(FINE));
+            let at = |axis: usize, number: usize, part: u32| {
+                self.along(axis, count(number) + (f64::from(part) + 0.5) / f64::from(FINE))
+            };
             let points = (0..FINE).flat_map(|a| (0..FINE).map(move |b| (a, b)));
-            let inside = points.filter(|(a, b)| at(column, *a).hypot(at(row, *b)) <= radius).count();
+            let inside = points.filter(|(a, b)| at(0, column, *a).hypot(at(1, row, *b)) <= radius).count();
             count(inside) / f64::from(FINE * FINE)
         })
     }
@@ -150,39 +155,43 @@ impl Irradiance {
     /// The centroid of the light of all of it, by columns and rows from the middle, for one of X, Y and Z.
     #[must_use]
     pub fn centroid(&self, channel: usize) -> [f64; 2] {
-        let middle = |number: usize| self.place(count(number) + 0.5);
-        let total = self.sum(|_, _| 1.0)[channel];
-        let moments = [self.sum(|column, _| middle(column)), self.sum(|_, row| middle(row))];
+        let middle = |axis: usize, number: usize| self.along(axis, count(number) + 0.5);
+        let total = self.flux()[channel];
+        let moments = [self.sum(|column, _| middle(0, column)), self.sum(|_, row| middle(1, row))];
         moments.map(|moment| moment[channel] / total)
     }
 
     /// The mean over rows (those in a span) of each column.
     #[must_use]
     pub fn profile(&self, rows: &Range<f64>) -> Vec<[f64; 3]> {
-        let shares = self.shares(rows);
+        let shares = self.shares(1, rows);
         let total: f64 = shares.iter().sum();
         let column = |column: usize| {
             let weighed = |c: usize| {
-                shares.iter().enumerate().map(|(row, share)| share * self.xyz[row * self.side + column][c]).sum::<f64>()
+                shares
+                    .iter()
+                    .enumerate()
+                    .map(|(row, share)| share * self.xyz[row * self.size[0] + column][c])
+                    .sum::<f64>()
             };
             [0, 1, 2].map(|c| weighed(c) / total)
         };
-        (0..self.side).map(column).collect()
+        (0..self.size[0]).map(column).collect()
     }
 
     /// The part of each column or row that is in a span.
-    fn shares(&self, span: &Range<f64>) -> Vec<f64> {
+    fn shares(&self, axis: usize, span: &Range<f64>) -> Vec<f64> {
         let part = |number: usize| {
-            let [from, to] = [self.place(count(number)), self.place(count(number + 1))];
+            let [from, to] = [self.along(axis, count(number)), self.along(axis, count(number + 1))];
             ((to.min(span.end) - from.max(span.start)) / (to - from)).clamp(0.0, 1.0)
         };
-        (0..self.side).map(part).collect()
+        (0..self.size[axis]).map(part).collect()
     }
 
     fn sum(&self, share: impl Fn(usize, usize) -> f64) -> [f64; 3] {
         let mut sum = [0.0; 3];
         for (number, xyz) in self.xyz.iter().enumerate() {
-            let share = share(number % self.side, number / self.side) * self.area();
+            let share = share(number % self.size[0], number / self.size[0]) * self.area();
             sum = core::array::from_fn(|c| sum[c] + share * xyz[c]);
         }
         sum
