@@ -51,7 +51,13 @@ fn check_written(file: PhotometricFile) {
     let again = parse_ies("again.ies", &written).unwrap_or_else(|error| panic!("{error}\n{written}"));
     assert_eq!(again.intensity, file.intensity);
     if file.format != Format::Eulumdat {
-        let labels = file.labels.iter().map(|l| l.replace(char::is_control, " ").trim_end().to_owned()).collect();
+        // What a control character kept from being the line of the tilt is left out.
+        let is_tilt = |l: &String| {
+            let compact: String = l.split_whitespace().collect();
+            compact.to_ascii_uppercase().starts_with("TILT=")
+        };
+        let plain = file.labels.iter().map(|l| l.replace(char::is_control, " ").trim_end().to_owned());
+        let labels = plain.filter(|l| !is_tilt(l)).collect();
         assert_eq!(again, PhotometricFile { format: Format::Ies2002, labels, ..file });
     }
 }

@@ -23,19 +23,19 @@ fn check<R: Real>(numbers: &mut Numbers) {
             let kelvin: R = R::from_f64(3900.0 + 21_200.0 * numbers.unit::<R>().to_f64());
             accept(&Daylight::new(kelvin, Rounding::ThreeDecimals), numbers);
         }
-        3 => accept(&Line::<R>::new(numbers.any(), numbers.any(), numbers.any()), numbers),
+        3 => accept(&Line::<R>::new(wavelength(numbers), wavelength(numbers), numbers.any()), numbers),
         4 => {
             let centres = [near_visible(numbers), near_visible(numbers), near_visible(numbers)];
             let powers: [R; 3] = numbers.any_vector();
-            accept(&Lines::new(&centres, &powers, numbers.any()), numbers);
+            accept(&Lines::new(&centres, &powers, wavelength(numbers)), numbers);
         }
         5 => {
             let values: Vec<R> = nodes(numbers);
-            accept(&Uniform::new(numbers.any(), numbers.any(), &values, outside), numbers);
+            accept(&Uniform::new(wavelength(numbers), wavelength(numbers), &values, outside), numbers);
         }
         6 => {
             let values: Vec<R> = nodes(numbers);
-            let wavelengths: Vec<R> = values.iter().map(|_| numbers.any()).collect();
+            let wavelengths: Vec<R> = values.iter().map(|_| wavelength(numbers)).collect();
             accept(&PiecewiseLinear::new(&wavelengths, &values, outside), numbers);
         }
         _ => {
@@ -57,6 +57,12 @@ fn check<R: Real>(numbers: &mut Numbers) {
 
 fn nodes<R: Real>(numbers: &mut Numbers) -> Vec<R> {
     (0..numbers.below(7)).map(|_| numbers.any()).collect()
+}
+
+/// A millimetre at most: what is far larger has no nanometres.
+fn wavelength<R: Real>(numbers: &mut Numbers) -> R {
+    let any: R = numbers.any();
+    if any.abs().to_f64() <= 1e6 || !any.is_finite() { any } else { R::ZERO }
 }
 
 fn near_visible<R: Real>(numbers: &mut Numbers) -> R {

@@ -121,7 +121,8 @@ fn run<R: Real>(
         return Ok(Estimate { samples: samples + estimate.samples, ..estimate });
     }
     // Coarse rules have weights of either sign.
-    let value = (exact.unwrap_or(factor) * light.ratio()).max(R::ZERO);
+    let ratio = light.ratio().max(R::ZERO);
+    let value = exact.map_or_else(|| factor * ratio, |exact| exact * ratio.min(R::ONE));
     Ok(Estimate { value, error: error * scale, samples, status })
 }
 

@@ -17,8 +17,9 @@ impl PhotometricFile {
     #[must_use]
     pub fn to_ies(&self) -> String {
         let mut text = "IESNA:LM-63-2002\n".to_owned();
-        for label in self.labels.iter().filter(|label| tilt_value(label).is_none()) {
-            text.extend(label.chars().map(|c| if c.is_control() { ' ' } else { c }));
+        let plain = |label: &String| label.replace(char::is_control, " ");
+        for label in self.labels.iter().map(plain).filter(|label| tilt_value(label).is_none()) {
+            text.push_str(&label);
             text.push('\n');
         }
         match &self.tilt {

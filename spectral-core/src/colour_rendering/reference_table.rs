@@ -55,7 +55,7 @@ impl<R: Real> ReferencePiece<R> {
         let mut nodes = [EightSums::zero(); ORDER];
         sum_nodes(&mut nodes, PIECES.get(piece)?, sums)?;
         let mut coefficients = [ReferenceColours::zero(); ORDER];
-        let white = powers_of(&nodes, |sums| sums.relative_white());
+        let white = powers_of(&nodes, super::eight::EightSums::relative_white);
         for (power, colours) in coefficients.iter_mut().enumerate() {
             let [x, _, z] = at(&white, power);
             colours.white = [[x, z]];
@@ -109,7 +109,7 @@ pub(crate) fn interpolated<R: Real>(
     let mut nodes = [EightSums::zero(); ORDER];
     sum_nodes(&mut nodes, piece, sums)?;
     let position = position(piece, temperature);
-    let [x, _, z] = values_at(position, &nodes, |sums| sums.relative_white());
+    let [x, _, z] = values_at(position, &nodes, super::eight::EightSums::relative_white);
     let mut found = ReferenceColours { white: [[x, z]], ..ReferenceColours::zero() };
     for sample in 0..8 {
         set(&mut found.lab, sample, values_at(position, &nodes, |sums| sums.lab(sample)));
@@ -172,18 +172,18 @@ fn at<R: Real>(lists: &[[R; ORDER]; 3], index: usize) -> [R; 3] {
 /// cos(π m / 26) of whole numbers up to 13: the cosines of Chebyshev's nodes times the degrees are among them.
 const WAVES: [f64; ORDER + 1] = [
     1.0,
-    0.992_708_874_098_053_993,
-    0.970_941_817_426_052_027,
-    0.935_016_242_685_414_823,
-    0.885_456_025_653_209_896,
-    0.822_983_865_893_656_395,
-    0.748_510_748_171_101_099,
-    0.663_122_658_240_795_202,
-    0.568_064_746_731_155_803,
-    0.464_723_172_043_768_546,
-    0.354_604_887_042_535_626,
-    0.239_315_664_287_557_767,
-    0.120_536_680_255_323_053,
+    0.992_708_874_098_054,
+    0.970_941_817_426_052,
+    0.935_016_242_685_414_8,
+    0.885_456_025_653_209_9,
+    0.822_983_865_893_656_4,
+    0.748_510_748_171_101_1,
+    0.663_122_658_240_795_2,
+    0.568_064_746_731_155_8,
+    0.464_723_172_043_768_56,
+    0.354_604_887_042_535_6,
+    0.239_315_664_287_557_77,
+    0.120_536_680_255_323_05,
     0.0,
 ];
 
