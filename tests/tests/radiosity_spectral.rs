@@ -260,7 +260,8 @@ fn results_do_not_drift_as_reflectance_grows() {
         let fine = Case::new(&scene(&body), &Settings { accuracy: 3e-2, residual: 1e-12, ..Settings::default() });
         let bins = UniformBins::new(&rough.palette, 16).unwrap();
         let [rough, fine] = [&rough, &fine].map(|case| case.radiosity.solve(&bins).unwrap());
-        steps.push(fine.report().iterations);
+        // Of the rough one: near the limit of rounding a last step or two is chance.
+        steps.push(rough.report().iterations);
         assert!(fine.report().iteration_error <= 1e-12, "{:?}", fine.report());
         assert!(fine.report().energy_balance.abs() <= 1e-11, "{:?}", fine.report());
         for bin in 0..16 {

@@ -1,19 +1,19 @@
 //! Splitting the spectrum until the colour of every patch is known well enough.
 //!
-//! Where to split is decided in a model of the scene in which all patches of one reflectance have one radiosity: that costs next to
-//! nothing, but its bounds are not those of the patches. So it only plans a coarse start; from there on, what contributes most to the bounds of
-//! patches is split, a share of all cells at a time, until these bounds are at or under the threshold.
+//! Where to split is decided in a model of the scene in which all patches of one face, or of one reflectance, have one radiosity: that costs
+//! next to nothing, but its bounds are not those of the patches. So it only plans a start; from there on, what contributes most to the
+//! bounds of patches is split, a share of all cells at a time, until these bounds are at or under the threshold. In the certified mode bounds
+//! are known without the values, which are solved for last.
 
 use alloc::sync::Arc;
 
-use rayon::prelude::*;
 use spectral_core::adaptive::Mode;
-use spectral_core::bound::{ColourBound, delta_e_bound};
-use spectral_core::colour::rgb;
 use spectral_core::interval::Node;
 
-use super::cell::{Cell, DEPTH, Row, Spectra, Weights};
-use super::field::{Field, Lit, Values, Work};
+use super::bounds::{Bounds, Known, MOST_CELLS, bound, seen};
+use super::cell::{Cell, DEPTH, Spectra, Weights};
+use super::coarse::Coarse;
+use super::field::{Column, Field, Lit, Values, Work};
 use super::intervals::IntervalRows;
 use super::representation::Representation;
 use super::solution::Lights;
@@ -22,14 +22,10 @@ use super::transport::{Buffer, Transport};
 use super::{Radiosity, RadiosityError, Report, Solution};
 use crate::spectral::{Factor, IntervalSettings, Palette};
 
-/// The most cells.
-const MOST_CELLS: usize = 512;
 /// The most reflectances that the model keeps apart.
 const MOST_GROUPS: usize = 64;
 /// The most faces that the model keeps apart.
 const MOST_FACES: usize = 32;
-/// What splitting by patches aims at.
-const AIM: f64 = 0.98;
 /// The error of the model's iteration. What that leaves in a bound must be far below any threshold, or no split would help.
 const ROUGH: f64 = 1e-9;
 /// The model isn't followed where twice as many cells leave more of its bound than this.
@@ -44,36 +40,8 @@ struct Pace {
     share: f64,
 }
 
-/// Four fifths of the cells or so are planned, as bounds fall with the square of their number: the model may say too much by half.
-const PACE: Pace = Pace { start: 1.5, share: 0.4 };
-
-/// A cell with the radiosity of all leaves of a field.
-#[derive(Clone, Debug)]
-struct Known {
-    cell: Cell,
-    rows: Vec<Row>,
-}
-
-impl Known {
-    fn is(&self, place: (usize, Node)) -> bool {
-        (self.cell.lamp, self.cell.node) == place
-    }
-}
-
-/// The colour of what a leaf reflects.
-fn bound(mode: Mode, cells: &[Known], leaf: usize) -> ColourBound<f64> {
-    let (mut xyz, mut radius) = ([0.0; 3], [0.0; 3]);
-    for known in cells {
-        let (value, around) = seen(mode, known, leaf);
-        xyz = core::array::from_fn(|a| xyz[a] + value[a]);
-        radius = core::array::from_fn(|a| radius[a] + around[a]);
-    }
-    delta_e_bound(xyz, radius, rgb::WHITE)
-}
-
-fn seen(mode: Mode, known: &Known, leaf: usize) -> ([f64; 3], [f64; 3]) {
-    known.cell.colour(mode, &known.rows[leaf].times(core::f64::consts::FRAC_1_PI))
-}
+/// Three quarters of the cells or so are planned: the model may say too much.
+const PACE: Pace = Pace { start: 1.1, share: 0.6 };
 
 /// A subdivision that is refined in a model of the scene.
 struct Plan<'f> {
@@ -136,44 +104,13 @@ impl Plan<'_> {
         let mut work = Work { tolerance: ROUGH, buffer: Buffer::default(), report: &mut |_, _| {} };
         // What errors are estimated by is needed here, whatever the rows keep.
         let mode = if self.mode == Mode::Corrected { Mode::Paper } else { self.mode };
-        let rows = self.field.solve(mode, &cells, &mut work);
-        self.cells.extend(cells.into_iter().zip(rows).map(|(cell, rows)| Known { cell, rows }));
-    }
-}
-
-/// The cells to split so that all patches' bounds come near to the threshold, if a half's radius is an eighth: mass is proportional to width,
-/// and a covariance to its square. No more than `most`, those first that the worst patches need most.
-fn split_by_patches(mode: Mode, cells: &[Known], threshold: f64, most: usize) -> Vec<(usize, Node)> {
-    const LEFT: f64 = 0.25;
-    let leaves = cells.first().map_or(0, |known| known.rows.len());
-    let sums = (0..leaves).into_par_iter().map(|leaf| {
-        let parts = cells.iter().map(|known| seen(mode, known, leaf));
-        parts.fold([[0.0; 3]; 2], |[xyz, radius], (value, around)| {
-            [core::array::from_fn(|a| xyz[a] + value[a]), core::array::from_fn(|a| radius[a] + around[a])]
-        })
-    });
-    let mut sums: Vec<[[f64; 3]; 2]> = sums.collect();
-    let mut chosen: Vec<usize> = Vec::new();
-    while chosen.len() < most {
-        let bounds = sums.par_iter().enumerate().map(|(leaf, [xyz, radius])| {
-            let ColourBound { delta_e, gradient } = delta_e_bound(*xyz, *radius, rgb::WHITE);
-            (delta_e, leaf, gradient)
-        });
-        let worst = bounds.max_by(|(a, ..), (b, ..)| a.total_cmp(b)).filter(|(worst, ..)| !(*worst <= AIM * threshold));
-        let open = |index: &usize| !chosen.contains(index) && cells[*index].cell.node.level() < DEPTH;
-        let Some((_, leaf, gradient)) = worst else { break };
-        let score = |index: &usize| {
-            let (_, radius) = seen(mode, &cells[*index], leaf);
-            radius.iter().zip(gradient).map(|(r, g)| r * g).sum::<f64>()
+        let rows = if mode == Mode::Certified && self.field.bounces.is_none() {
+            self.field.estimate(&cells, &mut work)
+        } else {
+            self.field.solve(mode, &cells, &mut work)
         };
-        let Some(index) = (0..cells.len()).filter(open).max_by(|a, b| score(a).total_cmp(&score(b))) else { break };
-        sums.par_iter_mut().enumerate().for_each(|(leaf, [_, radius])| {
-            let (_, around) = seen(mode, &cells[index], leaf);
-            radius.iter_mut().zip(around).for_each(|(r, part)| *r -= (1.0 - LEFT) * part);
-        });
-        chosen.push(index);
+        self.cells.extend(cells.into_iter().zip(rows).map(|(cell, rows)| Known { cell, rows, settled: false }));
     }
-    chosen.into_iter().map(|index| (cells[index].cell.lamp, cells[index].cell.node)).collect()
 }
 
 impl Radiosity {
@@ -204,18 +141,20 @@ impl Radiosity {
         settings: &IntervalSettings,
         pace: Pace,
     ) -> Result<Solution<'_>, RadiosityError> {
-        let mut weights = Weights::new();
-        let spectra = Spectra::new(palette, &mut weights).map_err(RadiosityError::Spectrum)?;
         let mode = settings.mode;
+        let mut weights = Weights::default();
+        let mut spectra =
+            Spectra::new(palette, mode == Mode::Certified, &mut weights).map_err(RadiosityError::Spectrum)?;
         let mut buffer = Buffer::default();
         let lamps = self.lamps();
-        let field = self.field(&lamps, &spectra, &mut buffer)?;
-        let (model, groups) = self.model(&field, &mut buffer);
+        spectra.tabulate(&lamps);
+        let field = self.field(mode, &lamps, &spectra, &mut buffer)?;
         // Without an amplification there is no bound to go by.
-        let bounded = field.amplification.iter().all(|a| a.is_finite());
+        let bounded = mode != Mode::Certified || field.is_bounded();
         let planned = if bounded { mode } else { Mode::Corrected };
+        let model = Transport::between(&field.coarse);
         let mut plan = Plan {
-            field: model_field(&field, &model, &groups, &spectra, &mut buffer),
+            field: model_field(&field, planned, &model, &spectra, &mut buffer),
             mode: planned,
             cells: Vec::new(),
         };
@@ -230,54 +169,74 @@ impl Radiosity {
             cells.retain(|known| plan.cells.iter().any(|planned| planned.is((known.cell.lamp, known.cell.node))));
             let is_new = |planned: &&Known| !cells.iter().any(|known| known.is((planned.cell.lamp, planned.cell.node)));
             let new: Vec<Cell> = plan.cells.iter().filter(is_new).map(|planned| planned.cell.clone()).collect();
-            cells.extend(self.solve_cells(&field, mode, new, &mut buffer, &mut report));
+            let estimated = mode == Mode::Certified && bounded && field.bounces.is_none();
+            cells.extend(self.solve_cells(&field, (mode, estimated), new, &mut buffer, &mut report));
             if mode == Mode::Corrected {
                 report.delta_e_bound = plan.worst();
                 break;
             }
-            self.note(mode, &cells, &mut report);
-            if report.delta_e_bound <= settings.threshold || !bounded {
+            let mut judged = Bounds::new(mode, &cells);
+            let mut places = judged.places_to_split(&cells, settings.threshold, pace.share);
+            let open = cells.iter().any(|known| !known.settled);
+            if places.is_empty() && open {
+                self.settle(&field, mode, &mut cells, &mut buffer, &mut report);
+                judged = Bounds::new(mode, &cells);
+                places = judged.places_to_split(&cells, settings.threshold, pace.share);
+            }
+            if places.is_empty() || !bounded {
+                self.note(&judged, &mut report);
                 break;
             }
-            #[allow(
-                clippy::cast_precision_loss,
-                clippy::cast_possible_truncation,
-                clippy::cast_sign_loss,
-                reason = "cells are few"
-            )]
-            let share = ((cells.len() as f64 * pace.share) as usize).max(1);
-            let most = share.min(MOST_CELLS.saturating_sub(cells.len()));
-            let split = split_by_patches(mode, &cells, settings.threshold, most);
-            if split.is_empty() {
-                break;
-            }
-            plan.split(split, &spectra, &lamps);
+            plan.split(places, &spectra, &lamps);
         }
         Ok(self.assembled(mode, lamps, cells, report))
     }
 
-    /// Solves for some cells, and notes residuals and balance.
+    /// Solves for some cells, or for their bounds alone.
     fn solve_cells(
         &self,
         field: &Field<'_>,
-        mode: Mode,
+        (mode, estimated): (Mode, bool),
         cells: Vec<Cell>,
         buffer: &mut Buffer,
         report: &mut Report,
     ) -> impl Iterator<Item = Known> + use<> {
-        let mut told = |passes: usize, values: Option<(&[Cell], &Values<'_>)>| {
+        let rows = self.working(field, buffer, report, |work| {
+            if estimated { field.estimate(&cells, work) } else { field.solve(mode, &cells, work) }
+        });
+        cells.into_iter().zip(rows).map(move |(cell, rows)| Known { cell, rows, settled: !estimated })
+    }
+
+    /// Solves for the values of cells that have estimates.
+    fn settle(&self, field: &Field<'_>, mode: Mode, cells: &mut [Known], buffer: &mut Buffer, report: &mut Report) {
+        let (mut open, mut rows) = (Vec::new(), Vec::new());
+        for known in cells.iter_mut().filter(|known| !known.settled) {
+            known.settled = true;
+            open.push(known.cell.clone());
+            rows.push(&mut known.rows);
+        }
+        self.working(field, buffer, report, |work| field.settle(mode, &open, rows, work));
+    }
+
+    /// Does something that is told of in a report: passes, residuals and balance.
+    fn working<T>(
+        &self,
+        field: &Field<'_>,
+        buffer: &mut Buffer,
+        report: &mut Report,
+        what: impl FnOnce(&mut Work<'_>) -> T,
+    ) -> T {
+        let mut told = |passes: usize, values: Option<(&[Cell], &[Column], &Values<'_>)>| {
             report.passes += passes;
-            if let Some((cells, values)) = values {
-                let emitted = field.of_lamps(mode, cells, |lamp| &lamp.emitted);
-                let Values { system, solved, irradiance } = values;
-                self.judge(&Judged::new(system, &emitted, solved, irradiance), report);
+            if let Some((cells, columns, values)) = values {
+                let emitted = field.of_lamps(cells, columns, |lamp| &lamp.emitted);
+                self.judge(&Judged::new(&values.system, &emitted, &values.solved), report);
             }
         };
-        let tolerance = self.settings.residual;
-        let mut work = Work { tolerance, buffer: core::mem::take(buffer), report: &mut told };
-        let rows = field.solve(mode, &cells, &mut work);
+        let mut work = Work { tolerance: self.settings.residual, buffer: core::mem::take(buffer), report: &mut told };
+        let result = what(&mut work);
         *buffer = work.buffer;
-        cells.into_iter().zip(rows).map(|(cell, rows)| Known { cell, rows })
+        result
     }
 
     /// The leaves of the palette that lights have.
@@ -295,6 +254,7 @@ impl Radiosity {
     /// What all leaves receive from each lamp.
     fn field(
         &self,
+        mode: Mode,
         lamps: &[Option<u32>],
         spectra: &Spectra<'_>,
         buffer: &mut Buffer,
@@ -304,14 +264,24 @@ impl Radiosity {
         if self.settings.bounces.is_none() && self.balance.closed >= 1.0 && spectra.reflects_all(&reflectances) {
             return Err(RadiosityError::NoSolution);
         }
-        let surface =
+        let surface: Vec<usize> =
             self.transport.leaves.iter().map(|leaf| self.patches.nodes[*leaf as usize].side as usize).collect();
+        let group = if self.patches.roots <= MOST_FACES { self.faces() } else { self.kinds(&surface) };
+        let count = group.iter().max().map_or(0, |most| most + 1);
+        let mut of_groups = vec![0; count];
+        group.iter().zip(&surface).for_each(|(group, surface)| of_groups[*group] = *surface);
+        let mut shares = vec![0.0; reflectances.len()];
+        surface.iter().zip(&self.transport.areas).for_each(|(surface, area)| shares[*surface] += area);
         let mut field = Field {
             transport: &self.transport,
             surface,
+            shares,
             lamps: Vec::new(),
             largest_sum: self.balance.largest,
+            coarse: Coarse::new(&self.transport, group, count, buffer),
+            of_groups,
             amplification: Vec::new(),
+            amplified: Vec::new(),
             bounces: self.settings.bounces,
             reflectances,
         };
@@ -328,16 +298,12 @@ impl Radiosity {
             all.iter_mut().zip(&direct).for_each(|(h, d)| *h += d);
             field.lamps.push(Lit { emitted, direct, all });
         }
-        let greatest: Vec<f64> = field.reflectances.iter().map(|factor| spectra.greatest(*factor)).collect();
-        field.amplify(&greatest, buffer);
+        if mode == Mode::Certified {
+            field.coarse.spread_out(&self.transport, buffer);
+            let greatest: Vec<f64> = field.reflectances.iter().map(|factor| spectra.greatest(*factor)).collect();
+            field.amplify(&greatest, buffer);
+        }
         Ok(field)
-    }
-
-    /// The transport between groups of leaves of one reflectance, and the group of each leaf: by faces where these are few.
-    fn model(&self, field: &Field<'_>, buffer: &mut Buffer) -> (Transport, Vec<usize>) {
-        let groups = if self.patches.roots <= MOST_FACES { self.faces() } else { self.kinds(field) };
-        let count = groups.iter().max().map_or(0, |most| most + 1);
-        (self.transport.condensed(&groups, count, buffer), groups)
     }
 
     /// The face of each leaf.
@@ -350,26 +316,25 @@ impl Radiosity {
     }
 
     /// The reflectance of each leaf, by number; those beyond some share these numbers.
-    fn kinds(&self, field: &Field<'_>) -> Vec<usize> {
+    fn kinds(&self, surface: &[usize]) -> Vec<usize> {
         let mut known: Vec<(Factor, bool)> = Vec::new();
         let group = |side: &usize| {
-            let kind = (field.reflectances[*side], self.patches.sides[*side].emission.is_some());
+            let side = &self.patches.sides[*side];
+            let kind = (side.reflectance, side.emission.is_some());
             let place = known.iter().position(|k| *k == kind).unwrap_or_else(|| {
                 known.push(kind);
                 known.len() - 1
             });
             place % MOST_GROUPS
         };
-        field.surface.iter().map(group).collect()
+        surface.iter().map(group).collect()
     }
 
     /// Notes the bounds of all patches.
-    fn note(&self, mode: Mode, cells: &[Known], report: &mut Report) {
-        let leaves = (0..self.transport.leaves.len()).into_par_iter();
-        let bounds: Vec<f64> = leaves.map(|leaf| bound(mode, cells, leaf).delta_e).collect();
-        report.delta_e_bound = bounds.iter().fold(0.0, |m, b| m.max(*b));
+    fn note(&self, bounds: &Bounds, report: &mut Report) {
+        report.delta_e_bound = bounds.delta_e.iter().fold(0.0, |m, b| m.max(*b));
         let area: f64 = self.transport.areas.iter().sum();
-        report.mean_delta_e_bound = bounds.iter().zip(&self.transport.areas).map(|(b, a)| b * a / area).sum();
+        report.mean_delta_e_bound = bounds.delta_e.iter().zip(&self.transport.areas).map(|(b, a)| b * a / area).sum();
     }
 
     /// The solution of all cells, in order of wavelength.
@@ -398,35 +363,37 @@ impl Radiosity {
 /// The model of a field: means over groups of leaves.
 fn model_field<'m>(
     field: &Field<'_>,
+    mode: Mode,
     model: &'m Transport,
-    groups: &[usize],
     spectra: &Spectra<'_>,
     buffer: &mut Buffer,
 ) -> Field<'m> {
-    let count = model.areas.len();
+    let coarse = &field.coarse;
     let mean = |values: &[f64]| {
-        let mut means = vec![0.0; count];
-        for ((value, group), area) in values.iter().zip(groups).zip(&field.transport.areas) {
-            means[*group] += value * area / model.areas[*group];
+        let mut means = vec![0.0; coarse.count()];
+        for ((value, group), area) in values.iter().zip(&coarse.group).zip(&field.transport.areas) {
+            means[*group] += value * area / coarse.areas[*group];
         }
         means
     };
     let of_lamp = |lit: &Lit| Lit { emitted: mean(&lit.emitted), direct: mean(&lit.direct), all: mean(&lit.all) };
-    let mut reflectances = vec![Factor { scale: 0.0, leaf: None }; count];
-    for (group, side) in groups.iter().zip(&field.surface) {
-        reflectances[*group] = field.reflectances[*side];
-    }
-    let greatest: Vec<f64> = reflectances.iter().map(|factor| spectra.greatest(*factor)).collect();
     let mut result = Field {
         transport: model,
-        surface: (0..count).collect(),
-        reflectances,
+        surface: field.of_groups.clone(),
+        shares: field.shares.clone(),
+        reflectances: field.reflectances.clone(),
         lamps: field.lamps.iter().map(of_lamp).collect(),
         largest_sum: field.largest_sum,
+        coarse: coarse.of_itself(),
+        of_groups: field.of_groups.clone(),
         amplification: Vec::new(),
+        amplified: Vec::new(),
         bounces: field.bounces,
     };
-    result.amplify(&greatest, buffer);
+    if mode == Mode::Certified {
+        let greatest: Vec<f64> = result.reflectances.iter().map(|factor| spectra.greatest(*factor)).collect();
+        result.amplify(&greatest, buffer);
+    }
     result
 }
 

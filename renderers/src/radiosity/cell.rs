@@ -4,6 +4,7 @@
 //! alone, which are smooth. So each part of the domain has the measures dν = E ā dλ for ā = x̄, ȳ, z̄: products of lamp and colour-matching
 //! function are leaves, integrated exactly, and what is split adaptively are the reflectances.
 
+use rayon::prelude::*;
 use spectral_core::Observer;
 use spectral_core::adaptive::Mode;
 use spectral_core::interval::{Domain, Interval, MAX_DEPTH, Node, Weight, node_count, nodes};
@@ -14,6 +15,8 @@ use crate::spectral::{Factor, Palette, Role, Tabulated, Y_INTEGRAL};
 /// How deep the domain may be split: 2¹² parts of 0.1 nm, because what reflects nearly all light only around one wavelength has
 /// a resonance there.
 pub(super) const DEPTH: u8 = MAX_DEPTH;
+/// Down to this level, 64 parts, integrals are tabulated; those of greater parts are sums.
+const TABULATED: u8 = 6;
 /// Variances below this share of the squared maximum are rounding.
 const VARIANCE_ROUNDING: f64 = 1e-13;
 /// What rounding may cost a product or a sum, as a share of it.
@@ -134,36 +137,102 @@ impl Cell {
 pub(super) struct Spectra<'p> {
     leaves: Vec<(PiecewiseLinear<'p, f64>, Role)>,
     domain: Domain<'p, f64>,
+    /// Whether second moments are needed, too.
+    deviations: bool,
     /// The greatest value of each leaf in the visible domain.
     greatest: Vec<f64>,
+    /// For each lamp, moments on all nodes down to [`TABULATED`].
+    tables: Vec<Vec<Moments>>,
 }
 
-/// Room for the weights of a domain.
-pub(super) type Weights = Vec<Weight<f64>>;
+/// Room for the weights of a domain: only those of all of it, as integrals of products need none.
+pub(super) type Weights = [Weight<f64>; 1];
+
+/// The integrals of a lamp's spectrum, with the colour-matching functions, over a part of the domain.
+#[derive(Clone, Debug)]
+struct Moments {
+    mass: [f64; 3],
+    leaves: Vec<LeafMoments>,
+}
+
+/// The integrals with a reflectance and with its square, and its least and greatest value.
+#[derive(Clone, Copy, Debug)]
+struct LeafMoments {
+    firsts: [f64; 3],
+    seconds: [f64; 3],
+    range: [f64; 2],
+}
+
+fn sum(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    core::array::from_fn(|i| a[i] + b[i])
+}
+
+impl Moments {
+    /// The same over two parts.
+    fn over_both(&self, other: &Self) -> Self {
+        let both = |(a, b): (&LeafMoments, &LeafMoments)| LeafMoments {
+            firsts: sum(a.firsts, b.firsts),
+            seconds: sum(a.seconds, b.seconds),
+            range: [a.range[0].min(b.range[0]), a.range[1].max(b.range[1])],
+        };
+        Self { mass: sum(self.mass, other.mass), leaves: self.leaves.iter().zip(&other.leaves).map(both).collect() }
+    }
+}
 
 impl<'p> Spectra<'p> {
-    pub(super) fn new(palette: &'p Palette, weights: &'p mut Weights) -> Result<Self, String> {
-        weights.resize(node_count(DEPTH), Weight::default());
-        let domain = Domain::build(Observer::cie_1931_2deg(), DEPTH, weights).map_err(|e| e.to_string())?;
+    /// Without `deviations`, parts have none.
+    pub(super) fn new(palette: &'p Palette, deviations: bool, weights: &'p mut Weights) -> Result<Self, String> {
+        let domain = Domain::build(Observer::cie_1931_2deg(), 0, weights).map_err(|e| e.to_string())?;
         let leaf = |(leaf, role): &'p (Tabulated, Role)| Ok::<_, String>((leaf.spectrum()?, *role));
         let leaves = palette.leaves().iter().map(leaf).collect::<Result<Vec<_>, _>>()?;
         let greatest = leaves.iter().map(|(leaf, _)| range(leaf, Node::ROOT)[1]).collect();
-        Ok(Self { leaves, domain, greatest })
+        Ok(Self { leaves, domain, deviations, greatest, tables: Vec::new() })
+    }
+
+    /// Integrates all products with these lamps' spectra.
+    pub(super) fn tabulate(&mut self, lamps: &[Option<u32>]) {
+        self.tables = lamps.iter().map(|lamp| self.table(*lamp)).collect();
+    }
+
+    fn table(&self, lamp: Option<u32>) -> Vec<Moments> {
+        let finest: Vec<Node> = nodes(TABULATED).filter(|node| node.level() == TABULATED).collect();
+        let mut table: Vec<Moments> = finest.into_par_iter().map(|node| self.integrated(lamp, node)).collect();
+        // From the last node to the first, as children come after their parents.
+        table.reverse();
+        for pair in (0..node_count(TABULATED - 1)).map(|pair| 2 * pair) {
+            let both = table[pair + 1].over_both(&table[pair]);
+            table.push(both);
+        }
+        table.reverse();
+        table
+    }
+
+    fn integrated(&self, lamp: Option<u32>, node: Node) -> Moments {
+        let light = lamp.and_then(|leaf| self.leaves.get(leaf as usize)).map(|(s, _)| s as &dyn Spectrum<f64>);
+        let of_leaf = |(leaf, role): &(PiecewiseLinear<'_, f64>, Role)| {
+            let is_light = *role == Role::Light;
+            let firsts = if is_light { [0.0; 3] } else { self.integrals(light, &[leaf], node) };
+            let squared = self.deviations && !is_light;
+            let seconds = if squared { self.integrals(light, &[leaf, leaf], node) } else { [0.0; 3] };
+            LeafMoments { firsts, seconds, range: range(leaf, node) }
+        };
+        Moments { mass: self.integrals(light, &[], node), leaves: self.leaves.iter().map(of_leaf).collect() }
     }
 
     /// A part under a lamp, or `None` where that sends nothing that is seen.
     pub(super) fn cell(&self, lamp: usize, light: Option<u32>, node: Node) -> Option<Cell> {
-        let light = light.and_then(|leaf| self.leaves.get(leaf as usize)).map(|(s, _)| s as &dyn Spectrum<f64>);
-        let mass = self.integrals(light, &[], node);
+        let known = self.tables.get(lamp).and_then(|table| table.get(node.position()));
+        let integrated = known.is_none().then(|| self.integrated(light, node));
+        let Moments { mass, leaves } = known.or(integrated.as_ref())?;
         if !mass.iter().any(|m| *m > 0.0) {
             return None;
         }
         let mut share = [LEAST_SHARE; 3];
-        let mut part = |(leaf, role): &(PiecewiseLinear<'_, f64>, Role)| {
+        let mut part = |(moments, (_, role)): (&LeafMoments, &(PiecewiseLinear<'_, f64>, Role))| {
             if *role == Role::Light {
                 return ONE;
             }
-            let (mut part, deviations) = self.part(leaf, light, node, mass);
+            let (mut part, deviations) = self.part(moments, *mass);
             if part.deviation <= CONSTANT * part.high {
                 // Of rounding alone, which is no less in one channel than in another.
                 part.deviation /= LEAST_SHARE.sqrt();
@@ -174,7 +243,7 @@ impl<'p> Spectra<'p> {
             }
             part
         };
-        let parts = self.leaves.iter().map(&mut part).collect();
+        let parts = leaves.iter().zip(&self.leaves).map(&mut part).collect();
         Some(Cell { lamp, node, mass: mass.map(|m| m.max(0.0) / Y_INTEGRAL), share, parts })
     }
 
@@ -186,22 +255,17 @@ impl<'p> Spectra<'p> {
     }
 
     /// A reflectance on a part, and at least its deviation in each channel.
-    fn part(
-        &self,
-        leaf: &PiecewiseLinear<'_, f64>,
-        light: Option<&dyn Spectrum<f64>>,
-        node: Node,
-        mass: [f64; 3],
-    ) -> (Part, [f64; 3]) {
-        let [low, high] = range(leaf, node);
-        let firsts = self.integrals(light, &[leaf], node);
-        let seconds = self.integrals(light, &[leaf, leaf], node);
+    fn part(&self, moments: &LeafMoments, mass: [f64; 3]) -> (Part, [f64; 3]) {
+        let LeafMoments { firsts, seconds, range: [low, high] } = *moments;
         let weighted = |v: [f64; 3]| v.iter().zip(mass).map(|(v, m)| v * m).sum::<f64>();
         let common = (weighted(firsts) / weighted(mass)).clamp(low, high);
         // Nothing depends on the mean in a channel that sees nothing.
         let mean: [f64; 3] =
             core::array::from_fn(|a| if mass[a] > 0.0 { (firsts[a] / mass[a]).clamp(low, high) } else { common });
         let deviations: [f64; 3] = core::array::from_fn(|a| {
+            if !self.deviations {
+                return 0.0;
+            }
             let exact = if mass[a] > 0.0 { seconds[a] / mass[a] - mean[a] * mean[a] } else { 0.0 };
             // Neither can a variance be more than this, whatever rounding does where there is hardly any light.
             let most = (high - mean[a]) * (mean[a] - low);

@@ -64,7 +64,13 @@ impl Coupled<'_> {
         for step in 0..count {
             reflected = if step == 0 { self.reflected(&self.lit) } else { self.next(&reflected, buffer) };
         }
-        Solved { reflected, steps: count as usize, residual: vec![0.0; self.width] }
+        self.solved(reflected, count as usize, vec![0.0; self.width], buffer)
+    }
+
+    fn solved(&self, reflected: Vec<f64>, steps: usize, residual: Vec<f64>, buffer: &mut Buffer) -> Solved {
+        let mut irradiance = vec![0.0; reflected.len()];
+        self.transport.apply(&reflected, &mut irradiance, self.width, buffer);
+        Solved { reflected, irradiance, steps, passes: (steps + 1) * self.width, residual }
     }
 
     /// All reflections, until the residual times the amplification is at most `tolerance` times the largest radiosity, or stays as it is.
@@ -81,7 +87,7 @@ impl Coupled<'_> {
             steps += 1;
             let goal = tolerance * size / amplification;
             if worst <= goal || !(worst < 0.5 * before) || steps >= MOST_STEPS {
-                return Solved { reflected: next, steps, residual };
+                return self.solved(next, steps, residual, buffer);
             }
             before = worst;
             steps += self.cycle(&mut found, error, 0.1 * goal / worst, buffer);

@@ -15,12 +15,14 @@
 
 mod adapt;
 mod balance;
+mod bounds;
 mod build;
 mod caustics;
 mod cell;
 mod cells;
 mod charts;
 mod cluster;
+mod coarse;
 mod contour;
 mod coupled;
 mod error;
@@ -31,6 +33,7 @@ mod gauss;
 mod intervals;
 mod light;
 mod link;
+mod majorant;
 mod mesh;
 mod mosaic;
 mod picture;

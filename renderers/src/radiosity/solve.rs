@@ -1,13 +1,19 @@
 //! The linear system, for several components of the spectrum at once.
 //!
-//! Reflected radiosity X satisfies X = ρ (H₀ + K X), with H₀ the irradiance of what is sent out by lights. With A K symmetric, so is
-//! the matrix of (I − √ρ K √ρ) in the unknowns √(A/ρ) X, positive definite where there is a solution: conjugate gradients need some
+//! Reflected radiosity X satisfies X = ρ (H₀ + K X), with H₀ the irradiance of what is sent out by lights. With A K symmetric, I − ρ K is
+//! symmetric and positive definite in the inner product weighted by A/ρ, where there is a solution: conjugate gradients need some
 //! ten steps even at ρ = 0.999, where Jacobi's iteration would need thousands.
+
+use rayon::prelude::*;
 
 use super::transport::{Buffer, Transport};
 
 /// The most steps.
 const MOST_STEPS: usize = 2000;
+/// Components that one task solves for: as many as fit in registers and caches.
+const LANES: usize = 8;
+/// Reflectances below this have no weight in inner products, which would be infinite; what they reflect is far below rounding.
+const BLACK: f64 = 1e-100;
 
 /// The system for `width` components, leaf by leaf.
 pub(super) struct System<'t> {
@@ -23,30 +29,133 @@ pub(super) struct System<'t> {
     pub(super) largest_sum: f64,
 }
 
-/// The reflected radiosity, and what is known of it.
+/// The reflected radiosity X, and what is known of it.
 pub(super) struct Solved {
     pub(super) reflected: Vec<f64>,
+    /// K X.
+    pub(super) irradiance: Vec<f64>,
     pub(super) steps: usize,
+    /// How often a component was carried through the operator.
+    pub(super) passes: usize,
     /// For each component, the largest residual.
     pub(super) residual: Vec<f64>,
+}
+
+impl Solved {
+    /// The components of several solutions, one after the other.
+    pub(super) fn side_by_side(some: Vec<Self>) -> Self {
+        let width: usize = some.iter().map(|some| some.residual.len()).sum();
+        let length: usize = some.iter().map(|some| some.reflected.len()).sum();
+        let mut all = Self {
+            reflected: vec![0.0; length],
+            irradiance: vec![0.0; length],
+            steps: 0,
+            passes: 0,
+            residual: Vec::with_capacity(width),
+        };
+        for some in some {
+            let (first, own) = (all.residual.len(), some.residual.len());
+            for (to, from) in [(&mut all.reflected, &some.reflected), (&mut all.irradiance, &some.irradiance)] {
+                for (to, from) in to.chunks_mut(width).zip(from.chunks(own)) {
+                    to[first..first + own].copy_from_slice(from);
+                }
+            }
+            all.steps = all.steps.max(some.steps);
+            all.passes += some.passes;
+            all.residual.extend(some.residual);
+        }
+        all
+    }
+}
+
+/// Some components, in rows of a width that is known in advance.
+struct Lanes<'b, const W: usize> {
+    reflectance: Vec<[f64; W]>,
+    lit: Vec<[f64; W]>,
+    amplification: [f64; W],
+    buffer: &'b mut Buffer,
 }
 
 impl System<'_> {
     /// The result of so many diffuse reflections.
     pub(super) fn bounces(&self, count: u32, buffer: &mut Buffer) -> Solved {
         let mut reflected = vec![0.0; self.lit.len()];
-        for step in 0..count {
-            reflected = if step == 0 { self.product(&self.lit) } else { self.next(&reflected, buffer) };
+        let mut irradiance = vec![0.0; self.lit.len()];
+        for _ in 0..count {
+            let all = reflected.iter_mut().zip(&irradiance).zip(&self.lit).zip(&self.reflectance);
+            all.for_each(|(((x, k), h), r)| *x = r * (h + k));
+            self.transport.apply(&reflected, &mut irradiance, self.width, buffer);
         }
-        Solved { reflected, steps: count as usize, residual: vec![0.0; self.width] }
+        let steps = count as usize;
+        Solved { reflected, irradiance, steps, passes: steps * self.width, residual: vec![0.0; self.width] }
     }
 
     /// All reflections: the error is at most the residual over 1 − ρ ΣF, `tolerance` times the largest radiosity or less.
+    ///
+    /// Components are shared out among threads, always the same ones together.
     pub(super) fn solve(&self, tolerance: f64, buffer: &mut Buffer) -> Solved {
-        let symmetric = self.reflectance.iter().all(|r| *r >= 0.0);
-        let (found, steps) =
-            if symmetric { self.conjugate_gradients(tolerance, buffer) } else { (self.product(&self.lit), 0) };
-        self.finish(found, steps, tolerance, if symmetric { 3 } else { MOST_STEPS }, buffer)
+        self.solve_from(None, tolerance, buffer)
+    }
+
+    /// The same from what may be near to X, and K times that.
+    pub(super) fn solve_from(&self, start: Option<&[Vec<f64>; 2]>, tolerance: f64, buffer: &mut Buffer) -> Solved {
+        let tasks = self.width.div_ceil(LANES);
+        if tasks == 1 {
+            return self.solve_some([0, self.width], start, tolerance, buffer);
+        }
+        let first = |task: usize| task * self.width / tasks;
+        let solved: Vec<Solved> = (0..tasks)
+            .into_par_iter()
+            .map(|task| {
+                let some = [first(task), first(task + 1) - first(task)];
+                self.solve_some(some, start, tolerance, &mut Buffer::default())
+            })
+            .collect();
+        Solved::side_by_side(solved)
+    }
+
+    /// Up to [`LANES`] components.
+    fn solve_some(
+        &self,
+        [first, width]: [usize; 2],
+        start: Option<&[Vec<f64>; 2]>,
+        tolerance: f64,
+        buffer: &mut Buffer,
+    ) -> Solved {
+        match width {
+            1 => self.solve_lanes::<1>(first, start, tolerance, buffer),
+            2 => self.solve_lanes::<2>(first, start, tolerance, buffer),
+            3 => self.solve_lanes::<3>(first, start, tolerance, buffer),
+            4 => self.solve_lanes::<4>(first, start, tolerance, buffer),
+            5 => self.solve_lanes::<5>(first, start, tolerance, buffer),
+            6 => self.solve_lanes::<6>(first, start, tolerance, buffer),
+            7 => self.solve_lanes::<7>(first, start, tolerance, buffer),
+            _ => self.solve_lanes::<LANES>(first, start, tolerance, buffer),
+        }
+    }
+
+    fn solve_lanes<const W: usize>(
+        &self,
+        first: usize,
+        start: Option<&[Vec<f64>; 2]>,
+        tolerance: f64,
+        buffer: &mut Buffer,
+    ) -> Solved {
+        let rows = |of: &[f64]| -> Vec<[f64; W]> {
+            of.chunks(self.width).map(|row| core::array::from_fn(|i| row[first + i])).collect()
+        };
+        let reflectance = rows(&self.reflectance);
+        let symmetric = reflectance.as_flattened().iter().all(|r| *r >= 0.0);
+        let amplification = amplification(&reflectance, self.largest_sum);
+        let mut lanes = Lanes { reflectance, lit: rows(&self.lit), amplification, buffer };
+        if symmetric {
+            let (found, steps) =
+                lanes.conjugate_gradients(self.transport, start.map(|[x, k]| [rows(x), rows(k)]), tolerance);
+            lanes.finish(self.transport, found, steps, tolerance, 3)
+        } else {
+            let once = lanes.reflectance.iter().zip(&lanes.lit).map(|(r, h)| each(|i| r[i] * h[i])).collect();
+            lanes.finish(self.transport, once, 0, tolerance, MOST_STEPS)
+        }
     }
 
     /// 1 / (1 − ρ ΣF) for each component, 1 where this doesn't bound anything.
@@ -55,101 +164,113 @@ impl System<'_> {
         for row in self.reflectance.chunks(self.width) {
             most.iter_mut().zip(row).for_each(|(m, r)| *m = m.max(r.abs()));
         }
-        let bound = |most: f64| if most * self.largest_sum < 1.0 { 1.0 / (1.0 - most * self.largest_sum) } else { 1.0 };
-        most.into_iter().map(bound).collect()
+        most.into_iter().map(|most| amplified(most * self.largest_sum)).collect()
     }
+}
 
-    fn product(&self, irradiance: &[f64]) -> Vec<f64> {
-        irradiance.iter().zip(&self.reflectance).map(|(h, r)| h * r).collect()
-    }
+fn each<const W: usize>(f: impl FnMut(usize) -> f64) -> [f64; W] {
+    core::array::from_fn(f)
+}
 
-    /// ρ (H₀ + K X).
-    fn next(&self, reflected: &[f64], buffer: &mut Buffer) -> Vec<f64> {
-        let mut irradiance = vec![0.0; reflected.len()];
-        self.transport.apply(reflected, &mut irradiance, self.width, buffer);
-        irradiance.iter().zip(&self.lit).zip(&self.reflectance).map(|((k, h), r)| r * (h + k)).collect()
-    }
+/// 1 / (1 − `most`), 1 where this doesn't bound anything.
+fn amplified(most: f64) -> f64 {
+    if most < 1.0 { 1.0 / (1.0 - most) } else { 1.0 }
+}
 
-    /// Jacobi's steps, for a residual that is small everywhere.
-    fn finish(&self, mut found: Vec<f64>, steps: usize, tolerance: f64, most: usize, buffer: &mut Buffer) -> Solved {
-        let amplification = self.amplification();
-        let mut residual = vec![0.0; self.width];
-        for step in 1..=most {
-            let next = self.next(&found, buffer);
-            residual = largest_difference(&next, &found, self.width);
-            let size = largest_difference(&next, &vec![0.0; next.len()], self.width);
-            found = next;
-            let good = |i: usize| residual[i] * amplification[i] <= tolerance * size[i];
-            if (0..self.width).all(good) {
-                return Solved { reflected: found, steps: steps + step, residual };
+fn amplification<const W: usize>(reflectance: &[[f64; W]], largest_sum: f64) -> [f64; W] {
+    let most = reflectance.iter().fold([0.0_f64; W], |most, row| each(|i| most[i].max(row[i].abs())));
+    most.map(|most| amplified(most * largest_sum))
+}
+
+impl<const W: usize> Lanes<'_, W> {
+    /// Jacobi's steps, for a residual that is small everywhere; at least one is made to know it, at most `most`.
+    fn finish(
+        &mut self,
+        transport: &Transport,
+        mut found: Vec<[f64; W]>,
+        steps: usize,
+        tolerance: f64,
+        most: usize,
+    ) -> Solved {
+        let mut irradiance = vec![[0.0; W]; found.len()];
+        let mut step = 0;
+        loop {
+            step += 1;
+            transport.apply_rows(&found, &mut irradiance, self.buffer);
+            let (mut residual, mut size) = ([0.0_f64; W], [0.0_f64; W]);
+            let next = |place: usize| -> [f64; W] {
+                let (rho, lit, k) = (&self.reflectance[place], &self.lit[place], &irradiance[place]);
+                each(|i| rho[i] * (lit[i] + k[i]))
+            };
+            for (place, x) in found.iter().enumerate() {
+                let next = next(place);
+                residual = each(|i| residual[i].max((next[i] - x[i]).abs()));
+                size = each(|i| size[i].max(next[i].abs()));
             }
+            let good = |i: usize| residual[i] * self.amplification[i] <= tolerance * size[i];
+            if (0..W).all(good) || step >= most {
+                let passes = (steps + step) * W;
+                let [reflected, irradiance] = [found, irradiance].map(Vec::into_flattened);
+                return Solved { reflected, irradiance, steps: steps + step, passes, residual: residual.to_vec() };
+            }
+            found.iter_mut().enumerate().for_each(|(place, x)| *x = next(place));
         }
-        Solved { reflected: found, steps: steps + most, residual }
     }
 
-    fn conjugate_gradients(&self, tolerance: f64, buffer: &mut Buffer) -> (Vec<f64>, usize) {
-        let width = self.width;
-        // √(ρ A), and √(ρ / A): from the unknowns to radiosity.
-        let each = |f: &dyn Fn(f64, f64) -> f64| -> Vec<f64> {
-            let rows = self.reflectance.chunks(width).zip(&self.transport.areas);
-            rows.flat_map(|(row, area)| row.iter().map(|r| f(*r, *area))).collect()
+    /// An approximate solution and the number of steps; all rows are preconditioned with ρ/A, so that residuals are those of Jacobi's iteration.
+    fn conjugate_gradients(
+        &mut self,
+        transport: &Transport,
+        start: Option<[Vec<[f64; W]>; 2]>,
+        tolerance: f64,
+    ) -> (Vec<[f64; W]>, usize) {
+        let weight: Vec<[f64; W]> = self
+            .reflectance
+            .iter()
+            .zip(&transport.areas)
+            .map(|(row, area)| row.map(|r| if r > BLACK { area / r } else { 0.0 }))
+            .collect();
+        let mut residual: Vec<[f64; W]> =
+            self.reflectance.iter().zip(&self.lit).map(|(r, h)| each(|i| r[i] * h[i])).collect();
+        let length_of = |rows: &[[f64; W]]| {
+            rows.iter().zip(&weight).fold([0.0; W], |sum, (r, w)| each(|i| sum[i] + r[i] * r[i] * w[i]))
         };
-        let weight = each(&|r, a| (r * a).sqrt());
-        let to_radiosity = each(&|r, a| (r / a).sqrt());
-        let mut residual: Vec<f64> = self.lit.iter().zip(&weight).map(|(h, w)| h * w).collect();
-        let mut found = vec![0.0; residual.len()];
-        let mut direction = residual.clone();
-        let mut squared = dots(&residual, &residual, width);
-        let start = squared.clone();
+        let mut squared = length_of(&residual);
         // The residual's part along the slowest mode is what it is for the final solution.
-        let goals: Vec<f64> = self.amplification().iter().map(|a| (0.1 * tolerance / a).powi(2)).collect();
-        let mut radiosity = vec![0.0; residual.len()];
-        let mut image = vec![0.0; residual.len()];
-        for step in 0..MOST_STEPS {
-            if (0..width).all(|i| squared[i] <= goals[i] * start[i]) {
-                return (scaled(&found, &to_radiosity), step);
+        let goals: [f64; W] = each(|i| (0.1 * tolerance / self.amplification[i]).powi(2) * squared[i]);
+        let mut found = vec![[0.0; W]; residual.len()];
+        if let Some([x, k]) = start {
+            for (((residual, x), k), rho) in residual.iter_mut().zip(&x).zip(&k).zip(&self.reflectance) {
+                *residual = each(|i| residual[i] + rho[i] * k[i] - x[i]);
             }
-            radiosity.iter_mut().zip(&direction).zip(&to_radiosity).for_each(|((b, d), t)| *b = d * t);
-            self.transport.apply(&radiosity, &mut image, width, buffer);
-            image.iter_mut().zip(&direction).zip(&weight).for_each(|((k, d), w)| *k = d - *k * w);
-            let curvature = dots(&direction, &image, width);
-            let length: Vec<f64> =
-                squared.iter().zip(&curvature).map(|(s, c)| if *c > 0.0 { s / c } else { 0.0 }).collect();
-            add(&mut found, &direction, &length, 1.0);
-            add(&mut residual, &image, &length, -1.0);
-            let next = dots(&residual, &residual, width);
-            let turn: Vec<f64> = next.iter().zip(&squared).map(|(n, s)| if *s > 0.0 { n / s } else { 0.0 }).collect();
-            for (d_row, r_row) in direction.chunks_mut(width).zip(residual.chunks(width)) {
-                d_row.iter_mut().zip(r_row).zip(&turn).for_each(|((d, r), t)| *d = r + t * *d);
+            (squared, found) = (length_of(&residual), x);
+        }
+        let mut direction = residual.clone();
+        let mut image = vec![[0.0; W]; residual.len()];
+        for step in 0..MOST_STEPS {
+            if (0..W).all(|i| squared[i] <= goals[i]) {
+                return (found, step);
+            }
+            transport.apply_rows(&direction, &mut image, self.buffer);
+            let mut curvature = [0.0; W];
+            for (((k, d), r), w) in image.iter_mut().zip(&direction).zip(&self.reflectance).zip(&weight) {
+                *k = each(|i| d[i] - r[i] * k[i]);
+                curvature = each(|i| curvature[i] + d[i] * k[i] * w[i]);
+            }
+            let length: [f64; W] = each(|i| if curvature[i] > 0.0 { squared[i] / curvature[i] } else { 0.0 });
+            let mut next = [0.0; W];
+            let rows = found.iter_mut().zip(&mut residual).zip(&direction).zip(&image).zip(&weight);
+            for ((((x, r), d), k), w) in rows {
+                *x = each(|i| x[i] + length[i] * d[i]);
+                *r = each(|i| r[i] - length[i] * k[i]);
+                next = each(|i| next[i] + r[i] * r[i] * w[i]);
+            }
+            let turn: [f64; W] = each(|i| if squared[i] > 0.0 { next[i] / squared[i] } else { 0.0 });
+            for (d, r) in direction.iter_mut().zip(&residual) {
+                *d = each(|i| r[i] + turn[i] * d[i]);
             }
             squared = next;
         }
-        (scaled(&found, &to_radiosity), MOST_STEPS)
+        (found, MOST_STEPS)
     }
-}
-
-fn scaled(values: &[f64], by: &[f64]) -> Vec<f64> {
-    values.iter().zip(by).map(|(v, b)| v * b).collect()
-}
-
-fn add(to: &mut [f64], from: &[f64], factors: &[f64], sign: f64) {
-    for (to, from) in to.chunks_mut(factors.len()).zip(from.chunks(factors.len())) {
-        to.iter_mut().zip(from).zip(factors).for_each(|((t, f), k)| *t += sign * k * f);
-    }
-}
-
-fn dots(a: &[f64], b: &[f64], width: usize) -> Vec<f64> {
-    let mut sums = vec![0.0; width];
-    for (a, b) in a.chunks(width).zip(b.chunks(width)) {
-        sums.iter_mut().zip(a).zip(b).for_each(|((s, a), b)| *s += a * b);
-    }
-    sums
-}
-
-fn largest_difference(a: &[f64], b: &[f64], width: usize) -> Vec<f64> {
-    let mut most = vec![0.0_f64; width];
-    for (a, b) in a.chunks(width).zip(b.chunks(width)) {
-        most.iter_mut().zip(a).zip(b).for_each(|((m, a), b)| *m = m.max((a - b).abs()));
-    }
-    most
 }

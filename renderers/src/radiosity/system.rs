@@ -10,7 +10,7 @@ use super::transport::Buffer;
 use super::{Radiosity, RadiosityError, Report, mesh};
 
 /// Components that are solved for together.
-const BLOCK: usize = 16;
+const BLOCK: usize = 32;
 
 /// A solution with what its residual and balance are made of, row by row.
 pub(super) struct Judged<'j> {
@@ -26,9 +26,9 @@ pub(super) struct Judged<'j> {
 }
 
 impl<'j> Judged<'j> {
-    /// The solution of a system, with K X.
-    pub(super) fn new(system: &'j System<'_>, emitted: &'j [f64], solved: &'j Solved, irradiance: &[f64]) -> Self {
-        let arriving: Vec<f64> = irradiance.iter().zip(&system.lit).map(|(k, h)| k + h).collect();
+    /// The solution of a system.
+    pub(super) fn new(system: &'j System<'_>, emitted: &'j [f64], solved: &'j Solved) -> Self {
+        let arriving: Vec<f64> = solved.irradiance.iter().zip(&system.lit).map(|(k, h)| k + h).collect();
         let leaving = arriving.iter().zip(&system.reflectance).map(|(h, r)| h * r).collect();
         let amplification = system.amplification();
         Self { width: system.width, emitted, direct: &system.direct, arriving, leaving, solved, amplification }
@@ -59,10 +59,9 @@ impl Radiosity {
                 Some(count) => system.bounces(count, &mut buffer),
                 None => system.solve(self.settings.residual, &mut buffer),
             };
-            let mut irradiance = vec![0.0; solved.reflected.len()];
-            self.transport.apply(&solved.reflected, &mut irradiance, block, &mut buffer);
-            report.passes += (solved.steps + 2) * block;
-            self.judge(&Judged::new(&system, &emitted, &solved, &irradiance), &mut report);
+            // And once for the light sent out.
+            report.passes += solved.passes + block;
+            self.judge(&Judged::new(&system, &emitted, &solved), &mut report);
             for (to, from) in reflected.chunks_mut(width).zip(solved.reflected.chunks(block)) {
                 to[first..first + block].copy_from_slice(from);
             }
@@ -133,15 +132,13 @@ impl Radiosity {
             Some(count) => system.bounces(count, &mut buffer),
             None => system.solve(self.settings.residual, &mut buffer),
         };
-        let mut arriving = vec![0.0; emitted.len()];
-        self.transport.apply(&solved.reflected, &mut arriving, width, &mut buffer);
-        arriving.iter_mut().zip(&system.lit).for_each(|(k, h)| *k += h);
+        let arriving: Vec<f64> = solved.irradiance.iter().zip(&system.lit).map(|(k, h)| k + h).collect();
         let leaving = system.reflected(&arriving);
         let amplification = vec![system.amplification(); width];
         let judged =
             Judged { width, emitted: &emitted, direct: &direct, arriving, leaving, solved: &solved, amplification };
         let mut report = Report { intervals: representation.intervals(), ..self.report() };
-        report.passes = (solved.steps + 2) * width;
+        report.passes = solved.passes + width;
         self.judge(&judged, &mut report);
         Ok(self.seen(Solution::new(self, Arc::new(representation), &solved.reflected, report)))
     }
@@ -159,26 +156,30 @@ impl Radiosity {
     pub(super) fn judge(&self, judged: &Judged<'_>, report: &mut Report) {
         let Judged { width, emitted, direct, arriving, leaving, solved, amplification } = judged;
         report.iterations = report.iterations.max(solved.steps);
-        for (component, amplification) in amplification.iter().enumerate() {
-            let (mut sent, mut kept, mut largest) = (0.0, 0.0, 0.0_f64);
-            for (leaf, (area, sum)) in self.transport.areas.iter().zip(&self.sums).enumerate() {
+        if self.settings.bounces.is_some() {
+            return;
+        }
+        let (mut sent, mut kept, mut largest) = (vec![0.0; *width], vec![0.0; *width], vec![0.0_f64; *width]);
+        for (leaf, (area, sum)) in self.transport.areas.iter().zip(&self.sums).enumerate() {
+            for component in 0..*width {
                 let i = leaf * width + component;
                 let (emission, reflected) = (emitted[i], solved.reflected[i]);
                 let absorbed = arriving[i] - leaving[i];
-                sent += area * (emission + direct[i]);
-                kept += area * (absorbed + (emission + reflected) * (1.0 - sum));
-                largest = largest.max(reflected.abs());
+                sent[component] += area * (emission + direct[i]);
+                kept[component] += area * (absorbed + (emission + reflected) * (1.0 - sum));
+                largest[component] = largest[component].max(reflected.abs());
             }
-            if self.settings.bounces.is_none() && largest > 0.0 {
-                let residual = solved.residual[component] / largest;
-                report.residual = report.residual.max(residual);
-                let bounded = *amplification > 1.0 || residual == 0.0;
-                let error = if bounded { residual * amplification } else { f64::INFINITY };
-                report.iteration_error = report.iteration_error.max(error);
-                let balance = if sent == 0.0 { 0.0 } else { (sent - kept) / sent };
-                if balance.abs() >= report.energy_balance.abs() {
-                    report.energy_balance = balance;
-                }
+        }
+        for (component, amplification) in amplification.iter().enumerate().filter(|(i, _)| largest[*i] > 0.0) {
+            let residual = solved.residual[component] / largest[component];
+            report.residual = report.residual.max(residual);
+            let bounded = *amplification > 1.0 || residual == 0.0;
+            let error = if bounded { residual * amplification } else { f64::INFINITY };
+            report.iteration_error = report.iteration_error.max(error);
+            let (sent, kept) = (sent[component], kept[component]);
+            let balance = if sent == 0.0 { 0.0 } else { (sent - kept) / sent };
+            if balance.abs() >= report.energy_balance.abs() {
+                report.energy_balance = balance;
             }
         }
     }

@@ -3,10 +3,13 @@
 use rayon::prelude::*;
 
 use super::cluster::Cluster;
+use super::coarse::Coarse;
 use super::mesh::{Cut, LEAF, Patches};
 
 /// Patches whose light is gathered by one task.
 const CHUNK: usize = 256;
+/// The most components that are carried through the operator at once.
+const WIDEST: usize = 16;
 
 /// Light exchanged between two groups of patches.
 #[derive(Clone, Copy, Debug)]
@@ -107,39 +110,53 @@ impl Transport {
         result
     }
 
-    /// The same between groups of leaves, each as if it had one radiosity: `group` of each leaf, below `count`.
-    pub(super) fn condensed(&self, group: &[usize], count: usize, buffer: &mut Buffer) -> Self {
-        const WIDTH: usize = 16;
-        let mut areas = vec![0.0; count];
-        group.iter().zip(&self.areas).for_each(|(g, a)| areas[*g] += a);
-        // Row by row: the mean over the group of K times the indicator of another group.
-        let mut factors = vec![0.0; count * count];
-        for first in (0..count).step_by(WIDTH) {
-            let width = WIDTH.min(count - first);
-            let mut indicator = vec![0.0; group.len() * width];
-            for (row, g) in indicator.chunks_mut(width).zip(group) {
-                if (first..first + width).contains(g) {
-                    row[g - first] = 1.0;
-                }
-            }
-            let mut irradiance = vec![0.0; indicator.len()];
-            self.apply(&indicator, &mut irradiance, width, buffer);
-            for ((row, g), area) in irradiance.chunks(width).zip(group).zip(&self.areas) {
-                let to = &mut factors[g * count + first..][..width];
-                to.iter_mut().zip(row).for_each(|(t, h)| *t += h * area / areas[*g]);
+    /// Row by row: the mean over a group of leaves of K times the indicator of another, where all leaves of any node are of one group.
+    /// `None` where there are clusters, which have leaves of several groups.
+    pub(super) fn exchanged(&self, group: &[usize], areas: &[f64]) -> Option<Vec<f64>> {
+        if !self.clusters.is_empty() {
+            return None;
+        }
+        let (count, nodes) = (areas.len(), self.children.len());
+        // The group and the area of each node, and the mean over it of what K is multiplied by.
+        let (mut groups, mut sizes) = (vec![0; nodes], vec![0.0; nodes]);
+        let mut scale = Vec::new();
+        self.pull(&self.scale, 1, |_| 1.0, &mut scale);
+        for node in (0..nodes).rev() {
+            let child = self.children[node];
+            if child == LEAF {
+                let leaf = self.leaf[node] as usize;
+                (groups[node], sizes[node]) = (group[leaf], self.areas[leaf]);
+            } else {
+                let child = child as usize;
+                (groups[node], sizes[node]) = (groups[child], sizes[child] + sizes[child + 1]);
             }
         }
+        let mut between = vec![0.0; count * count];
+        for node in 0..nodes {
+            let range = self.starts[node]..self.starts[node + 1];
+            let received = scale[node] * sizes[node] / areas[groups[node]];
+            for (source, factor) in self.sources[range.clone()].iter().zip(&self.factors[range]) {
+                let source = *source as usize;
+                between[groups[node] * count + groups[source]] += received * factor * scale[source];
+            }
+        }
+        Some(between)
+    }
+
+    /// The same between groups of leaves, each as if it had one radiosity.
+    pub(super) fn between(coarse: &Coarse) -> Self {
+        let count = coarse.count();
         let numbers: Vec<u32> = (0..).take(count).collect();
         Self {
             leaves: numbers.clone(),
-            areas,
+            areas: coarse.areas.clone(),
             children: vec![LEAF; count],
             leaf: numbers.clone(),
             share: vec![1.0; count],
             clusters: Vec::new(),
             starts: (0..=count).map(|node| node * count).collect(),
             sources: (0..count).flat_map(|_| numbers.iter().copied()).collect(),
-            factors,
+            factors: coarse.between.clone(),
             scale: vec![1.0; count],
         }
     }
@@ -155,8 +172,9 @@ impl Transport {
     }
 
     /// The mean over each node and cluster of `width` values for each leaf, times `scale` of the leaf.
+    #[inline(always)]
     pub(super) fn pull(&self, leaves: &[f64], width: usize, scale: impl Fn(usize) -> f64, nodes: &mut Vec<f64>) {
-        nodes.clear();
+        // All of it is written.
         nodes.resize(self.rows() * width, 0.0);
         for node in (0..self.children.len()).rev() {
             let child = self.children[node];
@@ -188,55 +206,83 @@ impl Transport {
 
     /// Irradiance on the leaves from their radiosity, `width` components each.
     pub(super) fn apply(&self, radiosity: &[f64], irradiance: &mut [f64], width: usize, buffer: &mut Buffer) {
-        self.pull(radiosity, width, |leaf| self.scale[leaf], &mut buffer.radiosity);
-        buffer.irradiance.clear();
-        buffer.irradiance.resize(self.rows() * width, 0.0);
-        let from = &buffer.radiosity;
-        if self.rows() <= CHUNK {
-            // Too little for more than one thread.
-            for (node, row) in buffer.irradiance.chunks_mut(width).enumerate() {
-                self.gather(node, from, row);
-            }
-            return self.push(&mut buffer.irradiance, irradiance, width);
+        macro_rules! by_width {
+            ($($w:literal)*) => {
+                match width {
+                    $($w => self.apply_rows::<$w>(radiosity.as_chunks().0, irradiance.as_chunks_mut().0, buffer),)*
+                    _ => self.apply_many(radiosity, irradiance, width, buffer),
+                }
+            };
         }
-        buffer.irradiance.par_chunks_mut(CHUNK * width).enumerate().for_each(|(chunk, rows)| {
-            for (offset, row) in rows.chunks_mut(width).enumerate() {
-                self.gather(chunk * CHUNK + offset, from, row);
-            }
-        });
-        self.push(&mut buffer.irradiance, irradiance, width);
+        by_width!(1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16);
     }
 
-    fn gather(&self, node: usize, from: &[f64], to: &mut [f64]) {
-        let width = to.len();
+    /// The same for more components than sums fit in registers for: some after the others.
+    fn apply_many(&self, radiosity: &[f64], irradiance: &mut [f64], width: usize, buffer: &mut Buffer) {
+        let (mut from, mut to) = (Vec::new(), Vec::new());
+        for first in (0..width).step_by(WIDEST) {
+            let some = first..width.min(first + WIDEST);
+            from.clear();
+            radiosity.chunks(width).for_each(|row| from.extend_from_slice(&row[some.clone()]));
+            to.clear();
+            to.resize(from.len(), 0.0);
+            self.apply(&from, &mut to, some.len(), buffer);
+            for (row, values) in irradiance.chunks_mut(width).zip(to.chunks(some.len())) {
+                row[some.clone()].copy_from_slice(values);
+            }
+        }
+    }
+
+    /// The same for a number of components that is known in advance.
+    pub(super) fn apply_rows<const W: usize>(
+        &self,
+        radiosity: &[[f64; W]],
+        irradiance: &mut [[f64; W]],
+        buffer: &mut Buffer,
+    ) {
+        self.pull(radiosity.as_flattened(), W, |leaf| self.scale[leaf], &mut buffer.radiosity);
+        buffer.irradiance.resize(self.rows() * W, 0.0);
+        let (from, to) = (buffer.radiosity.as_chunks().0, buffer.irradiance.as_chunks_mut().0);
+        if self.rows() <= CHUNK {
+            // Too little for more than one thread.
+            to.iter_mut().enumerate().for_each(|(node, row)| *row = self.gather(node, from));
+        } else {
+            to.par_chunks_mut(CHUNK).enumerate().for_each(|(chunk, rows)| {
+                for (offset, row) in rows.iter_mut().enumerate() {
+                    *row = self.gather(chunk * CHUNK + offset, from);
+                }
+            });
+        }
+        self.push(to, irradiance);
+    }
+
+    fn gather<const W: usize>(&self, node: usize, from: &[[f64; W]]) -> [f64; W] {
+        let mut sums = [0.0; W];
         let range = self.starts[node]..self.starts[node + 1];
         for (source, factor) in self.sources[range.clone()].iter().zip(&self.factors[range]) {
-            let row = &from[*source as usize * width..][..width];
-            to.iter_mut().zip(row).for_each(|(t, b)| *t += factor * b);
+            let row = &from[*source as usize];
+            sums.iter_mut().zip(row).for_each(|(t, b)| *t += factor * b);
         }
+        sums
     }
 
     /// Adds the values of clusters and nodes to those of their halves, down to the leaves.
-    fn push(&self, nodes: &mut [f64], leaves: &mut [f64], width: usize) {
+    fn push<const W: usize>(&self, nodes: &mut [[f64; W]], leaves: &mut [[f64; W]]) {
         for (index, (children, _)) in self.clusters.iter().enumerate() {
-            let row = (self.children.len() + index) * width;
+            let from = nodes[self.children.len() + index];
             for child in children {
-                for k in 0..width {
-                    nodes[child * width + k] += nodes[row + k];
-                }
+                nodes[*child].iter_mut().zip(&from).for_each(|(t, f)| *t += f);
             }
         }
         for node in 0..self.children.len() {
             let child = self.children[node];
+            let from = nodes[node];
             if child == LEAF {
                 let leaf = self.leaf[node] as usize;
-                let (to, from) = (&mut leaves[leaf * width..][..width], &nodes[node * width..][..width]);
-                to.iter_mut().zip(from).for_each(|(t, f)| *t = f * self.scale[leaf]);
+                leaves[leaf] = from.map(|f| f * self.scale[leaf]);
             } else {
-                let (parents, rest) = nodes.split_at_mut(child as usize * width);
-                let from = &parents[node * width..][..width];
-                for half in rest[..2 * width].chunks_mut(width) {
-                    half.iter_mut().zip(from).for_each(|(t, f)| *t += f);
+                for half in &mut nodes[child as usize..][..2] {
+                    half.iter_mut().zip(&from).for_each(|(t, f)| *t += f);
                 }
             }
         }

@@ -1,0 +1,271 @@
+//! Upper bounds of solutions, at the cost of a few passes through the operator.
+//!
+//! Whatever V satisfies V − ρKV ≥ S in all leaves is at least the solution of X − ρKX = S, where light comes to an end (L. Collatz, Math. Z. 48,
+//! 1942). So an approximate solution is enough, scaled and raised until it does. It is found by
+//! cycles of two grids: what a residual sends on after one reflection is smooth and solved for between groups of leaves.
+
+use super::coarse::{Coarse, Factored};
+use super::transport::{Buffer, Transport};
+
+/// The most that a solution is scaled by, and the most that it is raised by as a share of the greatest source, unless cycles are of no use.
+const SCALED: f64 = 1.05;
+const RAISED: f64 = 5e-3;
+const MOST_CYCLES: usize = 40;
+/// So many cycles may be of no use.
+const SURE_CYCLES: usize = 3;
+/// A cycle must leave less than this of a residual.
+const STUCK: f64 = 0.7;
+/// What rounding may leave as a residual, as a share of the largest value: some hundred terms of any one irradiance.
+pub(super) const ROUNDING: f64 = 1e-13;
+
+/// Where bounds are found.
+#[derive(Clone, Copy)]
+pub(super) struct Above<'a> {
+    pub(super) transport: &'a Transport,
+    pub(super) coarse: &'a Coarse,
+    /// A with A − ρKA ≥ 1 for all reflectances, and KA; empty where only scaling is wanted.
+    pub(super) amplification: &'a [f64],
+    pub(super) amplified: &'a [f64],
+}
+
+/// At least the solution X, at least K X, and how often this was carried through the operator.
+pub(super) struct Majorant<const W: usize> {
+    pub(super) values: Vec<[f64; W]>,
+    pub(super) irradiance: Vec<[f64; W]>,
+    pub(super) passes: usize,
+}
+
+fn each<const W: usize>(f: impl FnMut(usize) -> f64) -> [f64; W] {
+    core::array::from_fn(f)
+}
+
+impl Above<'_> {
+    /// At least the solution of X = S + ρ K X, for sources that aren't negative, and the reflectances of leaves and of groups.
+    pub(super) fn solve<const W: usize>(
+        &self,
+        source: &[[f64; W]],
+        reflectance: &[[f64; W]],
+        of_groups: &[[f64; W]],
+        buffer: &mut Buffer,
+    ) -> Majorant<W> {
+        let factored = Factored::new(self.coarse, of_groups);
+        let mut values = vec![[0.0; W]; source.len()];
+        let mut irradiance = vec![[0.0; W]; source.len()];
+        let mut residual = source.to_vec();
+        let (mut passes, mut before) = (0, f64::INFINITY);
+        loop {
+            self.transport.apply_rows(&residual, &mut irradiance, buffer);
+            let smooth = self.smooth(&factored, of_groups, &irradiance);
+            let spread = self.coarse.spread.chunks(self.coarse.count().max(1));
+            let rows = values.iter_mut().zip(&residual).zip(&irradiance).zip(reflectance).zip(spread);
+            for ((((v, r), k), rho), spread) in rows {
+                let light = spread.iter().zip(&smooth).fold(*k, |sum, (e, c)| each(|i| sum[i] + e * c[i]));
+                *v = each(|i| v[i] + r[i] + rho[i] * light[i]);
+            }
+            self.transport.apply_rows(&values, &mut irradiance, buffer);
+            passes += 2 * W;
+            let raise = Raise::new(source, &values, &irradiance, reflectance, !self.amplification.is_empty());
+            let left = raise.left();
+            let stuck = passes > 2 * W * SURE_CYCLES && !(left < STUCK * before);
+            if left <= 1.0 || stuck || passes >= 2 * W * MOST_CYCLES {
+                self.raised(&raise, source, reflectance, &mut values, &mut irradiance);
+                return Majorant { values, irradiance, passes };
+            }
+            before = left;
+            let rows = residual.iter_mut().zip(source).zip(&values).zip(&irradiance).zip(reflectance);
+            rows.for_each(|((((r, s), v), k), rho)| *r = each(|i| s[i] - (v[i] - rho[i] * k[i])));
+        }
+    }
+
+    /// What groups send out of an irradiance and of its reflections, as if each group received its mean.
+    fn smooth<const W: usize>(
+        &self,
+        factored: &Factored<W>,
+        of_groups: &[[f64; W]],
+        irradiance: &[[f64; W]],
+    ) -> Vec<[f64; W]> {
+        let coarse = self.coarse;
+        let mut means = vec![[0.0; W]; coarse.count()];
+        for ((k, group), area) in irradiance.iter().zip(&coarse.group).zip(&self.transport.areas) {
+            let share = area / coarse.areas[*group];
+            means[*group] = each(|i| means[*group][i] + share * k[i]);
+        }
+        factored.solve(&mut means);
+        means.iter().zip(of_groups).map(|(m, rho)| each(|i| rho[i] * m[i])).collect()
+    }
+
+    /// Scales and raises an approximate solution; what it reflects is a bound again, and a better one.
+    fn raised<const W: usize>(
+        &self,
+        raise: &Raise<W>,
+        source: &[[f64; W]],
+        reflectance: &[[f64; W]],
+        values: &mut [[f64; W]],
+        irradiance: &mut [[f64; W]],
+    ) {
+        let Raise { scale, more, .. } = raise;
+        let up = 1.0 + ROUNDING;
+        for (place, k) in irradiance.iter_mut().enumerate() {
+            let amplified = self.amplified.get(place).copied().unwrap_or(0.0);
+            *k = each(|i| greater(0.0, scale[i] * k[i] + more[i] * amplified) * up);
+            let (s, rho) = (&source[place], &reflectance[place]);
+            values[place] = each(|i| (s[i] + rho[i] * k[i]) * up);
+        }
+    }
+}
+
+/// The greater one, infinite where that is unknown.
+fn greater(one: f64, other: f64) -> f64 {
+    if other <= one {
+        one
+    } else if other > one {
+        other
+    } else {
+        f64::INFINITY
+    }
+}
+
+/// What makes an approximate solution a bound.
+struct Raise<const W: usize> {
+    scale: [f64; W],
+    /// Times the amplification.
+    more: [f64; W],
+    /// The greatest source.
+    most: [f64; W],
+}
+
+impl<const W: usize> Raise<W> {
+    fn new(
+        source: &[[f64; W]],
+        values: &[[f64; W]],
+        irradiance: &[[f64; W]],
+        reflectance: &[[f64; W]],
+        raises: bool,
+    ) -> Self {
+        let greatest = |rows: &[[f64; W]]| rows.iter().fold([0.0_f64; W], |m, row| each(|i| m[i].max(row[i].abs())));
+        let (most, size) = (greatest(source), greatest(values));
+        let sent = |place: usize| -> [f64; W] {
+            let (v, k, rho) = (&values[place], &irradiance[place], &reflectance[place]);
+            each(|i| v[i] - rho[i] * k[i] - ROUNDING * size[i])
+        };
+        let (mut scale, mut more) = ([1.0_f64; W], [0.0_f64; W]);
+        for (place, s) in source.iter().enumerate() {
+            let sent = sent(place);
+            let ratio = |i: usize| if s[i] > 0.0 { s[i] / sent[i] } else { 1.0 };
+            // Negative where no scale is enough.
+            scale = each(|i| if ratio(i) > 0.0 { scale[i].max(ratio(i)) } else { f64::INFINITY });
+        }
+        if raises {
+            scale = scale.map(|t| t.min(SCALED));
+            for (place, s) in source.iter().enumerate() {
+                let sent = sent(place);
+                more = each(|i| greater(more[i], s[i] - scale[i] * sent[i]));
+            }
+        }
+        Self { scale, more, most }
+    }
+
+    /// How far off the solution is, where 1 is good enough.
+    fn left(&self) -> f64 {
+        let raised = |i: usize| if self.more[i] > 0.0 { self.more[i] / (RAISED * self.most[i]) } else { 0.0 };
+        let scaled = |i: usize| (self.scale[i] - 1.0) / (SCALED - 1.0);
+        (0..W).fold(0.0, |m: f64, i| m.max(raised(i)).max(if self.scale[i] > SCALED { scaled(i) } else { 0.0 }))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Above, RAISED, SCALED};
+    use crate::radiosity::coarse::Coarse;
+    use crate::radiosity::solve::System;
+    use crate::radiosity::transport::{Buffer, Transport};
+
+    const LEAVES: usize = 40;
+    const GROUPS: usize = 5;
+
+    /// Uneven numbers in [0, 1).
+    fn number(seed: usize) -> f64 {
+        let [low, high] = [seed % 97, seed / 97].map(|part| f64::from(u32::try_from(part).unwrap_or(0)));
+        (0.618_033_988_75 * (low + 1.0) * (low + 3.0) + 0.414_213_562_37 * high * (high + 7.0)).fract()
+    }
+
+    /// Leaves of uneven areas that exchange uneven shares of their light, with row sums of at most 1.
+    fn transport() -> Transport {
+        let areas: Vec<f64> = (0..LEAVES).map(|leaf| 0.5 + number(leaf)).collect();
+        let exchange = |a: usize, b: usize| if a == b { 0.0 } else { number(LEAVES * a.min(b) + a.max(b) + 100) };
+        let row = |a: usize| (0..LEAVES).map(move |b| exchange(a, b));
+        let most = (0..LEAVES).map(|a| row(a).sum::<f64>() / areas[a]).fold(0.0, f64::max);
+        let between =
+            (0..LEAVES).flat_map(|a| row(a).map(move |e| (a, e))).map(|(a, e)| e / (areas[a] * most)).collect();
+        let group = (0..LEAVES).collect();
+        Transport::between(&Coarse { group, areas, between, spread: Vec::new() })
+    }
+
+    fn coarse(transport: &Transport) -> Coarse {
+        let mut buffer = Buffer::default();
+        let mut coarse = Coarse::new(transport, (0..LEAVES).map(|leaf| leaf % GROUPS).collect(), GROUPS, &mut buffer);
+        coarse.spread_out(transport, &mut buffer);
+        coarse
+    }
+
+    #[test]
+    fn groups_receive_the_mean_of_their_leaves() {
+        let transport = transport();
+        let coarse = coarse(&transport);
+        for to in 0..GROUPS {
+            for from in 0..GROUPS {
+                let mine = (0..LEAVES).filter(|leaf| coarse.group[*leaf] == to);
+                let mean: f64 = mine
+                    .map(|leaf| transport.areas[leaf] / coarse.areas[to] * coarse.spread[leaf * GROUPS + from])
+                    .sum();
+                let found = coarse.between[to * GROUPS + from];
+                assert!((found - mean).abs() <= 1e-14 * mean, "{found} {mean}");
+            }
+        }
+    }
+
+    /// Against conjugate gradients to the last digits: never below, and hardly above; reflectances differ within groups, too.
+    #[test]
+    fn bounds_are_above_solutions_and_near() {
+        let transport = transport();
+        let coarse = coarse(&transport);
+        let mut buffer = Buffer::default();
+        for top in [0.3, 0.9, 0.999] {
+            let reflectance: Vec<[f64; 2]> = (0..LEAVES)
+                .map(|leaf| [top * (0.6 + 0.4 * number(leaf + 7000)), if leaf % GROUPS == 2 { 0.0 } else { top }])
+                .collect();
+            let of_groups: Vec<[f64; 2]> = reflectance[..GROUPS].to_vec();
+            let lit: Vec<[f64; 2]> =
+                (0..LEAVES).map(|leaf| [number(leaf + 9000), if leaf == 3 { 1.0 } else { 0.0 }]).collect();
+            let source: Vec<[f64; 2]> = lit.iter().zip(&reflectance).map(|(h, r)| [h[0] * r[0], h[1] * r[1]]).collect();
+            let scaled = Above { transport: &transport, coarse: &coarse, amplification: &[], amplified: &[] };
+            let ones = vec![[1.0]; LEAVES];
+            let most = |count: usize| vec![[top]; count];
+            let amplification = scaled.solve(&ones, &most(LEAVES), &most(GROUPS), &mut buffer);
+            let above = Above {
+                amplification: amplification.values.as_flattened(),
+                amplified: amplification.irradiance.as_flattened(),
+                ..scaled
+            };
+            let found = above.solve(&source, &reflectance, &of_groups, &mut buffer);
+            let system = System {
+                transport: &transport,
+                width: 2,
+                reflectance: reflectance.into_flattened(),
+                direct: Vec::new(),
+                lit: lit.into_flattened(),
+                largest_sum: 1.0,
+            };
+            let exact = system.solve(1e-13, &mut buffer);
+            let pairs = [(&found.values, &exact.reflected), (&found.irradiance, &exact.irradiance)];
+            for (bound, exact) in pairs {
+                for (place, (bound, exact)) in bound.as_flattened().iter().zip(exact.iter()).enumerate() {
+                    // What a solution is raised by at most, for a greatest source of at most 1.
+                    let raised = RAISED * amplification.values[place / 2][0];
+                    assert!(*bound >= exact * (1.0 - 1e-12), "{top}, {place}: {bound} {exact}");
+                    assert!(*bound <= SCALED * exact + raised, "{top}, {place}: {bound} {exact}");
+                }
+            }
+        }
+    }
+}
