@@ -147,6 +147,8 @@ fn holds(name: &str, case: &Case, thresholds: &[f64]) -> f64 {
 fn bounds_hold_on_all_patches_of_the_cornell_box() {
     for name in ["cornell-box", "cornell-box-lamp"] {
         let case = Case::rough(&builtin::load(name, &[]).unwrap());
+        // So many that most start as combinations of others.
+        assert!(case.intervals(Mode::Certified, 0.3).report().intervals >= 12, "{name}");
         let used = holds(name, &case, &[0.3, 1.0, 5.0]);
         // A radius that is left out, or is a tenth of what it should be, would fail here.
         println!("{name}: {used:.3} of a radius used");
@@ -260,8 +262,7 @@ fn results_do_not_drift_as_reflectance_grows() {
         let fine = Case::new(&scene(&body), &Settings { accuracy: 3e-2, residual: 1e-12, ..Settings::default() });
         let bins = UniformBins::new(&rough.palette, 16).unwrap();
         let [rough, fine] = [&rough, &fine].map(|case| case.radiosity.solve(&bins).unwrap());
-        // Of the rough one: near the limit of rounding a last step or two is chance.
-        steps.push(rough.report().iterations);
+        steps.push(fine.report().iterations);
         assert!(fine.report().iteration_error <= 1e-12, "{:?}", fine.report());
         assert!(fine.report().energy_balance.abs() <= 1e-11, "{:?}", fine.report());
         for bin in 0..16 {

@@ -5,6 +5,7 @@
 //! bounds of patches is split, a share of all cells at a time, until these bounds are at or under the threshold. In the certified mode bounds
 //! are known without the values, which are solved for last.
 
+use alloc::collections::BTreeMap;
 use alloc::sync::Arc;
 
 use spectral_core::adaptive::Mode;
@@ -28,8 +29,9 @@ const MOST_GROUPS: usize = 64;
 const MOST_FACES: usize = 32;
 /// The error of the model's iteration. What that leaves in a bound must be far below any threshold, or no split would help.
 const ROUGH: f64 = 1e-9;
-/// The model isn't followed where twice as many cells leave more of its bound than this.
+/// The model isn't followed where twice as many cells leave more of its bound than this, once there are some.
 const STUCK: f64 = 0.75;
+const SURE_CELLS: usize = 4;
 
 /// How a subdivision is found.
 #[derive(Clone, Copy, Debug)]
@@ -40,8 +42,8 @@ struct Pace {
     share: f64,
 }
 
-/// Three quarters of the cells or so are planned: the model may say too much.
-const PACE: Pace = Pace { start: 1.1, share: 0.6 };
+/// Nearly all cells are planned: the worst patch's bound is up to twice what the model has, where it is dark in a corner.
+const PACE: Pace = Pace { start: 0.62, share: 0.6 };
 
 /// A subdivision that is refined in a model of the scene.
 struct Plan<'f> {
@@ -59,7 +61,7 @@ impl Plan<'_> {
 
     /// Splits what contributes most to the worst colour until that is good enough, or splitting no longer helps.
     fn refine(&mut self, target: f64, spectra: &Spectra<'_>, lamps: &[Option<u32>]) {
-        let mut before = (self.cells.len(), f64::INFINITY);
+        let mut before = (self.cells.len().max(SURE_CELLS), f64::INFINITY);
         while self.cells.len() < MOST_CELLS {
             let leaves = 0..self.field.surface.len();
             let bounds = leaves.map(|leaf| (bound(self.mode, &self.cells, leaf), leaf));
@@ -260,28 +262,27 @@ impl Radiosity {
         buffer: &mut Buffer,
     ) -> Result<Field<'_>, RadiosityError> {
         let sides = &self.patches.sides;
-        let reflectances: Vec<Factor> = sides.iter().map(|side| side.reflectance).collect();
+        let (reflectances, kind) = different(sides.iter().map(|side| side.reflectance));
         if self.settings.bounces.is_none() && self.balance.closed >= 1.0 && spectra.reflects_all(&reflectances) {
             return Err(RadiosityError::NoSolution);
         }
-        let surface: Vec<usize> =
-            self.transport.leaves.iter().map(|leaf| self.patches.nodes[*leaf as usize].side as usize).collect();
-        let group = if self.patches.roots <= MOST_FACES { self.faces() } else { self.kinds(&surface) };
+        let side_of = |leaf: &u32| self.patches.nodes[*leaf as usize].side as usize;
+        let side: Vec<usize> = self.transport.leaves.iter().map(side_of).collect();
+        let surface: Vec<usize> = side.iter().map(|side| kind[*side]).collect();
+        let group = if self.patches.roots <= MOST_FACES { self.faces() } else { self.kinds(&side) };
         let count = group.iter().max().map_or(0, |most| most + 1);
         let mut of_groups = vec![0; count];
         group.iter().zip(&surface).for_each(|(group, surface)| of_groups[*group] = *surface);
-        let mut shares = vec![0.0; reflectances.len()];
-        surface.iter().zip(&self.transport.areas).for_each(|(surface, area)| shares[*surface] += area);
         let mut field = Field {
             transport: &self.transport,
             surface,
-            shares,
             lamps: Vec::new(),
             largest_sum: self.balance.largest,
             coarse: Coarse::new(&self.transport, group, count, buffer),
             of_groups,
             amplification: Vec::new(),
             amplified: Vec::new(),
+            rounding: self.transport.rounding(),
             bounces: self.settings.bounces,
             reflectances,
         };
@@ -291,7 +292,7 @@ impl Radiosity {
                 emission: sides.iter().map(|s| core::f64::consts::PI * s.emission.map_or(0.0, number)).collect(),
                 sources: self.sources.iter().map(|source| number(source.spectrum)).collect(),
             };
-            let emitted: Vec<f64> = field.surface.iter().map(|side| lights.emission[*side]).collect();
+            let emitted: Vec<f64> = side.iter().map(|side| lights.emission[*side]).collect();
             let mut all = vec![0.0; emitted.len()];
             self.transport.apply(&emitted, &mut all, 1, buffer);
             let direct = self.direct(&lights.sources, 1, 0, 1);
@@ -360,6 +361,19 @@ impl Radiosity {
     }
 }
 
+/// All factors that differ, and the number of each among them.
+fn different(factors: impl Iterator<Item = Factor>) -> (Vec<Factor>, Vec<usize>) {
+    let (mut different, mut known) = (Vec::new(), BTreeMap::new());
+    let number = |factor: Factor| {
+        *known.entry((factor.scale.to_bits(), factor.leaf)).or_insert_with(|| {
+            different.push(factor);
+            different.len() - 1
+        })
+    };
+    let numbers = factors.map(number).collect();
+    (different, numbers)
+}
+
 /// The model of a field: means over groups of leaves.
 fn model_field<'m>(
     field: &Field<'_>,
@@ -380,7 +394,6 @@ fn model_field<'m>(
     let mut result = Field {
         transport: model,
         surface: field.of_groups.clone(),
-        shares: field.shares.clone(),
         reflectances: field.reflectances.clone(),
         lamps: field.lamps.iter().map(of_lamp).collect(),
         largest_sum: field.largest_sum,
@@ -388,6 +401,7 @@ fn model_field<'m>(
         of_groups: field.of_groups.clone(),
         amplification: Vec::new(),
         amplified: Vec::new(),
+        rounding: model.rounding(),
         bounces: field.bounces,
     };
     if mode == Mode::Certified {

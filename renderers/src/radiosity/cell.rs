@@ -20,7 +20,7 @@ const TABULATED: u8 = 6;
 /// Variances below this share of the squared maximum are rounding.
 const VARIANCE_ROUNDING: f64 = 1e-13;
 /// What rounding may cost a product or a sum, as a share of it.
-const ROUNDING: f64 = 1e-13;
+pub(super) const ROUNDING: f64 = 1e-13;
 /// Deviations below this share of the maximum are of rounding alone.
 const CONSTANT: f64 = 1e-6;
 /// The least share of a channel in a radius: what iteration and rounding leave in any channel is multiplied by the inverse.

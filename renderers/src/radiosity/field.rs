@@ -7,21 +7,31 @@
 //! - (I − μK) r = ‖δ‖ K n, because ∫X dν − X̄ = (I − μK)⁻¹ ∫δ K(X − X̄) dν.
 //!
 //! Two [bounds](Above) of solutions hold for all three channels, with the greatest ‖δ‖, X̄ and μ of any; they need no more than a bound of X̄,
-//! so that values are solved for last, on those cells alone that are good enough. What iteration and rounding leave of values is at most the
-//! largest residual times A, for any A with A − sup ρ K A ≥ 1.
+//! so that values are solved for last, on those cells alone that are good enough. As n is linear in h + K X̄, and r in n, both are then lowered
+//! by what the light was over-estimated in the worst place.
+//!
+//! What is solved for is a bound whatever found it: starts, groups and cycles change how soon, not whether. What remains between the numbers and
+//! the exact solution of the discrete system, with K, H₀ and ρ as they are stored, is covered in turn:
+//!
+//! - iteration: X̃ with the residual R = |X̃ − μ(h + KX̃)| in all leaves is at most R·A from X̄, for any A with A − sup ρ K A ≥ 1, as
+//!   X̃ − X̄ = (I − μK)⁻¹ of that; R is formed anew from K X̃ and not the one that conjugate gradients carry along;
+//! - rounding of K, in H₀ and in K X̃, and of the means μ, changes R by no more than these shares of the greatest irradiance, which are added to
+//!   it; [`Above`] covers that of its own residuals;
+//! - rounding of integrals, products and sums over cells: [`Cell`] adds it to deviations, norms, radii and colours.
 
 use rayon::prelude::*;
 use spectral_core::adaptive::Mode;
 
-use super::cell::{Cell, LEAST_SHARE, Part, Row};
+use super::cell::{Cell, LEAST_SHARE, Part, ROUNDING, Row};
 use super::coarse::Coarse;
-use super::majorant::{Above, ROUNDING};
+use super::majorant::{Above, Majorant};
 use super::solve::{Solved, System};
+use super::start::{Basis, Leaves};
 use super::transport::{Buffer, Transport};
 use crate::spectral::Factor;
 
 /// Columns of values that are solved for together, and cells whose bounds are.
-const COLUMNS: usize = 48;
+const COLUMNS: usize = 32;
 const LANES: usize = 8;
 /// So many cells have neighbours that are near enough to interpolate between.
 const MANY: usize = 6;
@@ -52,14 +62,14 @@ pub(super) struct Field<'t> {
     pub(super) reflectances: Vec<Factor>,
     pub(super) lamps: Vec<Lit>,
     pub(super) largest_sum: f64,
-    /// For each reflectance, the area of its leaves.
-    pub(super) shares: Vec<f64>,
     /// Groups of leaves, and the index of the reflectance of each.
     pub(super) coarse: Coarse,
     pub(super) of_groups: Vec<usize>,
     /// For each leaf, at most how much the error of a solution is for a residual of 1, and K times that. Infinite where there is no bound.
     pub(super) amplification: Vec<f64>,
     pub(super) amplified: Vec<f64>,
+    /// What rounding may change of an irradiance.
+    pub(super) rounding: f64,
     pub(super) bounces: Option<u32>,
 }
 
@@ -85,9 +95,14 @@ impl<'t> Field<'t> {
         let rows = |surface: &[usize]| surface.iter().map(|s| [greatest[*s]]).collect::<Vec<_>>();
         let above = Above { amplification: &[], amplified: &[], ..self.above() };
         let ones = vec![[1.0]; self.surface.len()];
-        let found = above.solve(&ones, &rows(&self.surface), &rows(&self.of_groups), buffer);
-        self.amplification = found.values.into_flattened();
-        self.amplified = found.irradiance.into_flattened();
+        let Majorant { values, irradiance, .. } =
+            above.solve(&ones, &rows(&self.surface), &rows(&self.of_groups), buffer);
+        // What is returned is reflected once more, so that A − ρKA ≥ 1 holds but for rounding of that: a share of the largest A.
+        let lost = 8.0 * self.rounding * values.as_flattened().iter().fold(0.0, |m: f64, a| m.max(*a));
+        let up = if lost <= 0.5 { 1.0 + 2.0 * lost } else { f64::INFINITY };
+        let raised = |rows: Vec<[f64; 1]>, up: f64| rows.into_iter().map(|[a]| a * up).collect();
+        self.amplification = raised(values, up);
+        self.amplified = raised(irradiance, up * (1.0 + 8.0 * self.rounding));
     }
 
     /// Whether errors are bounded.
@@ -101,6 +116,7 @@ impl<'t> Field<'t> {
             coarse: &self.coarse,
             amplification: &self.amplification,
             amplified: &self.amplified,
+            rounding: self.rounding,
         }
     }
 
@@ -108,7 +124,7 @@ impl<'t> Field<'t> {
     pub(super) fn solve(&self, mode: Mode, cells: &[Cell], work: &mut Work<'_>) -> Vec<Vec<Row>> {
         let mut rows = match (self.bounces, mode) {
             (Some(count), _) => {
-                return in_blocks(cells, LANES).flat_map(|block| self.reflect(mode, block, count, work)).collect();
+                return cells.chunks(LANES).flat_map(|block| self.reflect(mode, block, count, work)).collect();
             }
             (None, Mode::Certified) => self.estimate(cells, work),
             (None, _) => vec![vec![Row::default(); self.surface.len()]; cells.len()],
@@ -125,7 +141,7 @@ impl<'t> Field<'t> {
         }
         // More than one task, where there is enough for that.
         let most = cells.len().div_ceil(2).clamp(2, LANES);
-        let mut blocks: Vec<&[Cell]> = in_blocks(cells, most).collect();
+        let mut blocks: Vec<&[Cell]> = cells.chunks(most).collect();
         let found: Vec<(Vec<Vec<Row>>, usize)> = if let [block] = blocks[..] {
             vec![self.bounds(block, &mut work.buffer)]
         } else {
@@ -159,44 +175,43 @@ impl<'t> Field<'t> {
 
     /// Solves for the values of some cells, which are put into their rows; norms and radii then cover what iteration and rounding leave.
     ///
-    /// One channel of all cells comes first where they are many, as the others are near to interpolations of that.
+    /// One channel of all cells comes first where these are many, as the others are near to combinations of that.
     pub(super) fn settle(&self, mode: Mode, cells: &[Cell], mut rows: Vec<&mut Vec<Row>>, work: &mut Work<'_>) {
         let parts = self.parts(cells);
-        let all = 0..cells.len();
-        let mut columns: Vec<Column> = all.clone().map(|cell| (cell, FIRST)).collect();
-        let of_cell = |cell: usize| [X, Z, COMMON].map(|channel| (cell, channel));
-        let others: Vec<Column> =
-            all.flat_map(of_cell).filter(|(_, channel)| *channel != COMMON || mode == Mode::Paper).collect();
-        let mut left = vec![0.0; cells.len()];
-        let mut known =
-            Solved { reflected: Vec::new(), irradiance: Vec::new(), steps: 0, passes: 0, residual: Vec::new() };
-        if cells.len() < MANY {
-            columns.extend(&others);
+        let channels: &[usize] = if mode == Mode::Paper { &[X, FIRST, Z, COMMON] } else { &[X, FIRST, Z] };
+        let stages = stages(cells, channels);
+        let mut left = vec![Left::default(); cells.len()];
+        if mode == Mode::Certified && self.is_bounded() {
+            for (cell, (left, rows)) in left.iter_mut().zip(&rows).enumerate() {
+                left.estimate =
+                    rows.iter().zip(&self.surface).map(|(row, s)| estimate(&parts[*s][cell], row)).collect();
+            }
         }
-        let stages = if cells.len() < MANY { vec![columns] } else { vec![columns, others] };
-        for (stage, columns) in stages.into_iter().enumerate() {
+        let mut known = None;
+        for columns in stages {
             let mut found = Vec::new();
-            for columns in in_blocks(&columns, COLUMNS) {
-                let values = self.values(cells, &parts, columns, (stage > 0).then_some(&known), work);
-                values.put(mode, columns, &mut rows, &mut left);
-                if stage == 0 {
+            let basis = known.as_ref().map(|known| self.basis(known));
+            for columns in columns.chunks(COLUMNS) {
+                let values = self.values(cells, &parts, columns, basis.as_ref(), work);
+                values.put(self, columns, &mut rows, &mut left);
+                if basis.is_none() {
                     found.push(values.solved);
                 }
             }
-            if stage == 0 {
-                known = Solved::side_by_side(found);
-            }
+            known = Some(Solved::side_by_side(found));
         }
         if mode == Mode::Certified {
             for (rows, left) in rows.into_iter().zip(left) {
-                // What is left is in all channels alike, whatever their shares.
-                let left = left / LEAST_SHARE;
-                for (row, amplification) in rows.iter_mut().zip(&self.amplification) {
-                    row.norm += amplification * left;
-                    row.radius += amplification * left;
-                }
+                left.cover(rows, self);
             }
         }
+    }
+
+    /// Solutions that others are near to.
+    fn basis<'s>(&self, known: &'s Solved) -> Basis<'s> {
+        let leaves = Leaves { areas: &self.transport.areas, kind: &self.surface, kinds: self.reflectances.len() };
+        let lights: Vec<&[f64]> = self.lamps.iter().map(|lamp| &*lamp.all).collect();
+        Basis::new(known, leaves, &lights)
     }
 
     /// Solves for some columns.
@@ -205,7 +220,7 @@ impl<'t> Field<'t> {
         cells: &[Cell],
         parts: &[Vec<Part>],
         columns: &[Column],
-        known: Option<&Solved>,
+        basis: Option<&Basis<'_>>,
         work: &mut Work<'_>,
     ) -> Values<'f> {
         let system = System {
@@ -216,39 +231,17 @@ impl<'t> Field<'t> {
             lit: self.of_lamps(cells, columns, |lamp| &lamp.all),
             largest_sum: self.largest_sum,
         };
-        let start = known.map(|known| {
-            let mixed: Vec<_> = columns.iter().map(|column| self.mixed(cells, parts, *column)).collect();
-            [&known.reflected, &known.irradiance].map(|rows| mixed_rows(rows, cells.len(), &mixed))
+        let start = basis.map(|basis| {
+            let factors = |(cell, channel): &Column| {
+                let reflectance: Vec<f64> = parts.iter().map(|parts| mean(&parts[*cell], *channel)).collect();
+                basis.factors(&reflectance, cells[*cell].lamp)
+            };
+            basis.combined(&columns.iter().map(factors).collect::<Vec<_>>())
         });
         let solved = system.solve_from(start.as_ref(), work.tolerance, &mut work.buffer);
         let values = Values { system, solved };
         (work.report)(values.solved.passes, Some((cells, columns, &values)));
         values
-    }
-
-    /// The shares of three cells' first channels in a column: of its own cell's, and of its neighbours' under the same lamp, so that
-    /// reflectances are as near as may be.
-    fn mixed(&self, cells: &[Cell], parts: &[Vec<Part>], (cell, channel): Column) -> [(usize, f64); 3] {
-        let place = |cell: usize| cells[cell].node.limits::<f64>()[0];
-        let others = || (0..cells.len()).filter(|other| cells[*other].lamp == cells[cell].lamp);
-        let below = others().filter(|o| place(*o) < place(cell)).max_by(|a, b| place(*a).total_cmp(&place(*b)));
-        let above = others().filter(|o| place(*o) > place(cell)).min_by(|a, b| place(*a).total_cmp(&place(*b)));
-        let [below, above] = [below, above].map(|other| other.unwrap_or(cell));
-        // The least squares of what is missing.
-        let (mut matrix, mut right) = ([0.0; 3], [0.0; 2]);
-        for (part, weight) in parts.iter().zip(&self.shares) {
-            let own = mean(&part[cell], FIRST);
-            let [b, a] = [below, above].map(|other| mean(&part[other], FIRST) - own);
-            let missing = mean(&part[cell], channel) - own;
-            matrix = [matrix[0] + weight * b * b, matrix[1] + weight * a * b, matrix[2] + weight * a * a];
-            right = [right[0] + weight * b * missing, right[1] + weight * a * missing];
-        }
-        let small = 1e-9 * (matrix[0] + matrix[2]) + f64::MIN_POSITIVE;
-        let [bb, ab, aa] = [matrix[0] + small, matrix[1], matrix[2] + small];
-        let determinant = bb * aa - ab * ab;
-        let [b, a] = [(right[0] * aa - right[1] * ab) / determinant, (right[1] * bb - right[0] * ab) / determinant];
-        let [b, a] = if b.abs() <= 1.0 && a.abs() <= 1.0 { [b, a] } else { [0.0; 2] };
-        [(cell, 1.0 - a - b), (below, b), (above, a)]
     }
 
     /// Norms and radii, and how often something was carried through the operator.
@@ -284,10 +277,12 @@ impl<'t> Field<'t> {
             a.iter().zip(b).map(|(a, b)| core::array::from_fn(|i| a[i] * b[i])).collect()
         };
         let lamps: [&[f64]; W] = core::array::from_fn(|cell| &*self.lamps[cells[cell].lamp].all);
-        let mut light: Vec<[f64; W]> = (0..self.surface.len()).map(|leaf| lamps.map(|lamp| lamp[leaf].abs())).collect();
+        let up = 1.0 + 2.0 * self.rounding;
+        let mut light: Vec<[f64; W]> =
+            (0..self.surface.len()).map(|leaf| lamps.map(|lamp| lamp[leaf].abs() * up)).collect();
         let once = least(&times(&light, &of(&self.surface, &|part| part.most)), &|part| part.most);
         for (light, more) in light.iter_mut().zip(&once.irradiance) {
-            *light = core::array::from_fn(|i| light[i] + more[i]);
+            *light = core::array::from_fn(|i| (light[i] + more[i]) * up);
         }
         let deviation = of(&self.surface, &|part| part.deviation);
         let norm = least(&times(&light, &deviation), &|part| part.high);
@@ -299,6 +294,13 @@ impl<'t> Field<'t> {
         };
         let rows = (0..W).map(|cell| (0..self.surface.len()).map(|leaf| row(leaf, cell)).collect()).collect();
         (rows, passes)
+    }
+
+    /// An irradiance with what rounding of it may have done.
+    fn rounded(&self, row: &Row) -> Row {
+        let most = row.value.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
+        let up = 1.0 + 2.0 * self.rounding;
+        Row { value: row.value, norm: row.norm * up, radius: row.radius * up + self.rounding / LEAST_SHARE * most }
     }
 
     /// A limited number of reflections, one after the other.
@@ -321,6 +323,7 @@ impl<'t> Field<'t> {
                     let from = row(&irradiance, place).numbers();
                     let light = light(leaf, cell).numbers();
                     let arriving = Row::new(core::array::from_fn(|i| from[i] + light[i]));
+                    let arriving = if mode == Mode::Certified { self.rounded(&arriving) } else { arriving };
                     rows[place..][..5].copy_from_slice(&Cell::reflected(mode, part, &arriving).numbers());
                 }
             }
@@ -332,25 +335,72 @@ impl<'t> Field<'t> {
 
 impl Values<'_> {
     /// Puts the values of some columns into rows, and notes what iteration and rounding leave as a residual of each cell.
-    fn put(&self, mode: Mode, columns: &[Column], rows: &mut [&mut Vec<Row>], left: &mut [f64]) {
+    ///
+    /// Rounding: of K X and of H₀, which is K of something, too, and of the mean reflectances.
+    fn put(&self, field: &Field<'_>, columns: &[Column], rows: &mut [&mut Vec<Row>], left: &mut [Left]) {
         let Self { system, solved } = self;
         let width = system.width;
-        let mut largest = vec![0.0_f64; width];
+        let (mut most, mut lit_most) = (vec![0.0_f64; width], vec![0.0_f64; width]);
         let all = solved.reflected.chunks(width).zip(solved.irradiance.chunks(width)).zip(system.lit.chunks(width));
         for (leaf, ((values, irradiance), lit)) in all.enumerate() {
-            for (value, (cell, channel)) in values.iter().zip(columns) {
+            for (index, (cell, channel)) in columns.iter().enumerate() {
                 let row = &mut rows[*cell][leaf];
-                *row.value.get_mut(*channel).unwrap_or(&mut row.norm) = *value;
-            }
-            for ((largest, k), h) in largest.iter_mut().zip(irradiance).zip(lit) {
-                *largest = largest.max((k + h).abs());
-            }
-        }
-        if mode == Mode::Certified {
-            for (((cell, _), residual), largest) in columns.iter().zip(&solved.residual).zip(&largest) {
-                left[*cell] = left[*cell].max(residual + ROUNDING * largest);
+                *row.value.get_mut(*channel).unwrap_or(&mut row.norm) = values[index];
+                most[index] = most[index].max(values[index].abs());
+                lit_most[index] = lit_most[index].max(lit[index].abs());
+                left[*cell].note(leaf, irradiance[index] + lit[index]);
             }
         }
+        let rounding = 2.0 * field.rounding + ROUNDING;
+        for (index, (cell, _)) in columns.iter().enumerate() {
+            let largest = field.largest_sum.max(1.0) * most[index] + lit_most[index];
+            let residual = &mut left[*cell].residual;
+            *residual = residual.max(solved.residual[index] + rounding * largest);
+        }
+    }
+}
+
+/// What is known of a cell's bounds once its values are.
+#[derive(Clone, Debug, Default)]
+struct Left {
+    /// The light on each leaf that norms were found for; infinite where nothing depends on it.
+    estimate: Vec<f64>,
+    /// The greatest share that the values' light has of that.
+    share: f64,
+    /// What iteration and rounding leave of values as a residual.
+    residual: f64,
+}
+
+impl Left {
+    fn note(&mut self, leaf: usize, light: f64) {
+        if let Some(estimate) = self.estimate.get(leaf) {
+            self.share = self.share.max(light / estimate);
+        }
+    }
+
+    /// Norms are linear in the light, and radii in the norms: less of it is known to be needed. Both then cover what is left of values.
+    fn cover(&self, rows: &mut [Row], field: &Field<'_>) {
+        let Field { amplification, amplified, .. } = field;
+        let unsure =
+            amplified.iter().zip(&self.estimate).fold(0.0, |m: f64, (a, light)| m.max(a * self.residual / light));
+        let share = self.share * (1.0 + ROUNDING + 2.0 * field.rounding) + unsure;
+        let share = if share <= 1.0 && !self.estimate.is_empty() { share } else { 1.0 };
+        // What is left is in all channels alike, whatever their shares.
+        let left = self.residual / LEAST_SHARE;
+        for (row, amplification) in rows.iter_mut().zip(amplification) {
+            row.norm = share * row.norm + amplification * left;
+            row.radius = share * row.radius + amplification * left;
+        }
+    }
+}
+
+/// The light that a row's estimated values are of; infinite where the reflectance doesn't deviate from its mean, and 0 where it isn't known.
+fn estimate(part: &Part, row: &Row) -> f64 {
+    let channel = (0..3).fold(0, |most, channel| if part.mean[channel] > part.mean[most] { channel } else { most });
+    match part.mean[channel] {
+        _ if !(part.deviation > 0.0) => f64::INFINITY,
+        mean if mean > 0.0 => row.value[channel] / mean,
+        _ => 0.0,
     }
 }
 
@@ -359,20 +409,12 @@ fn mean(part: &Part, channel: usize) -> f64 {
     part.mean.get(channel).copied().unwrap_or(part.common)
 }
 
-/// Sums of three columns each, with factors.
-fn mixed_rows(rows: &[f64], width: usize, columns: &[[(usize, f64); 3]]) -> Vec<f64> {
-    let mut mixed = vec![0.0; rows.len() / width.max(1) * columns.len()];
-    mixed.par_chunks_mut(columns.len().max(1)).zip(rows.par_chunks(width.max(1))).for_each(|(to, from)| {
-        for (to, column) in to.iter_mut().zip(columns) {
-            *to = column.iter().map(|(cell, share)| share * from[*cell]).sum();
-        }
-    });
-    mixed
-}
-
-/// Parts of nearly equal length, of up to `most`.
-fn in_blocks<T>(all: &[T], most: usize) -> impl Iterator<Item = &[T]> {
-    let count = all.len().div_ceil(most);
-    let place = move |block: usize| block * all.len() / count;
-    (0..count).map(move |block| &all[place(block)..place(block + 1)])
+/// The columns of some cells, in the order of solution: those of a later stage are near to combinations of those of the first.
+fn stages(cells: &[Cell], channels: &[usize]) -> Vec<Vec<Column>> {
+    let columns = (0..cells.len()).flat_map(|cell| channels.iter().map(move |channel| (cell, *channel)));
+    if cells.len() < MANY {
+        return vec![columns.collect()];
+    }
+    let (first, others) = columns.partition(|(_, channel)| *channel == FIRST);
+    vec![first, others]
 }

@@ -1,13 +1,20 @@
 //! Upper bounds of solutions, at the cost of a few passes through the operator.
 //!
 //! Whatever V satisfies V − ρKV ≥ S in all leaves is at least the solution of X − ρKX = S, where light comes to an end (L. Collatz, Math. Z. 48,
-//! 1942). So an approximate solution is enough, scaled and raised until it does. It is found by
+//! 1942). So an approximate solution is enough, scaled and raised until it does: V = tV̂ + mA, where A − ρKA ≥ 1, has V − ρKV ≥ t(V̂ − ρKV̂) + m,
+//! so that t and m are read off V̂ and K V̂, leaf by leaf, less what rounding may have done to these. What V reflects, S + ρKV, lies
+//! between X and V and is what is returned, with KV ≥ KX. A itself is found in the same way from S = 1 by scaling alone; as it is positive and A − ρKA
+//! is, too, the spectral radius of ρK is below 1 for this and all lesser ρ (Collatz–Wielandt), so that nothing else need be known of the scene.
+//!
+//! How V̂ was found doesn't matter to any of this. It is found by
 //! cycles of two grids: what a residual sends on after one reflection is smooth and solved for between groups of leaves.
 
 use super::coarse::{Coarse, Factored};
 use super::transport::{Buffer, Transport};
 
-/// The most that a solution is scaled by, and the most that it is raised by as a share of the greatest source, unless cycles are of no use.
+/// What a solution may be scaled by, and the most that it is raised by for the last of these as a share of the greatest source, unless cycles
+/// are of no use.
+const SCALES: [f64; 6] = [1.0, 1.005, 1.01, 1.02, 1.03, SCALED];
 const SCALED: f64 = 1.05;
 const RAISED: f64 = 5e-3;
 const MOST_CYCLES: usize = 40;
@@ -15,8 +22,6 @@ const MOST_CYCLES: usize = 40;
 const SURE_CYCLES: usize = 3;
 /// A cycle must leave less than this of a residual.
 const STUCK: f64 = 0.7;
-/// What rounding may leave as a residual, as a share of the largest value: some hundred terms of any one irradiance.
-pub(super) const ROUNDING: f64 = 1e-13;
 
 /// Where bounds are found.
 #[derive(Clone, Copy)]
@@ -26,6 +31,8 @@ pub(super) struct Above<'a> {
     /// A with A − ρKA ≥ 1 for all reflectances, and KA; empty where only scaling is wanted.
     pub(super) amplification: &'a [f64],
     pub(super) amplified: &'a [f64],
+    /// What rounding may change of an [irradiance](Transport::rounding).
+    pub(super) rounding: f64,
 }
 
 /// At least the solution X, at least K X, and how often this was carried through the operator.
@@ -64,8 +71,8 @@ impl Above<'_> {
             }
             self.transport.apply_rows(&values, &mut irradiance, buffer);
             passes += 2 * W;
-            let raise = Raise::new(source, &values, &irradiance, reflectance, !self.amplification.is_empty());
-            let left = raise.left();
+            let raise = self.raise(source, &values, &irradiance, reflectance);
+            let left = raise.left.iter().fold(0.0, |m, left| greater(m, *left));
             let stuck = passes > 2 * W * SURE_CYCLES && !(left < STUCK * before);
             if left <= 1.0 || stuck || passes >= 2 * W * MOST_CYCLES {
                 self.raised(&raise, source, reflectance, &mut values, &mut irradiance);
@@ -94,7 +101,55 @@ impl Above<'_> {
         means.iter().zip(of_groups).map(|(m, rho)| each(|i| rho[i] * m[i])).collect()
     }
 
+    /// What makes an approximate solution a bound.
+    fn raise<const W: usize>(
+        &self,
+        source: &[[f64; W]],
+        values: &[[f64; W]],
+        irradiance: &[[f64; W]],
+        reflectance: &[[f64; W]],
+    ) -> Raise<W> {
+        let greatest = |rows: &[[f64; W]]| rows.iter().fold([0.0_f64; W], |m, row| each(|i| m[i].max(row[i].abs())));
+        let (most, size) = (greatest(source), greatest(values));
+        let sent = |place: usize| -> [f64; W] {
+            let (v, k, rho) = (&values[place], &irradiance[place], &reflectance[place]);
+            each(|i| v[i] - rho[i] * k[i] - self.rounding * size[i])
+        };
+        if self.amplification.is_empty() {
+            let mut scale = [1.0_f64; W];
+            for (place, s) in source.iter().enumerate() {
+                let sent = sent(place);
+                let ratio = |i: usize| if s[i] > 0.0 { s[i] / sent[i] } else { 1.0 };
+                // Negative where no scale is enough. Only what isn't negative anywhere shows that light comes to an end.
+                let good = |i: usize| ratio(i) > 0.0 && values[place][i] >= 0.0;
+                scale = each(|i| if good(i) { scale[i].max(ratio(i)) } else { f64::INFINITY });
+            }
+            return Raise { scale, more: [0.0; W], left: scale.map(|t| (t - 1.0) / (SCALED - 1.0)) };
+        }
+        let mut more = [[0.0_f64; W]; SCALES.len()];
+        let (mut mean, mut amplification) = ([0.0; W], 0.0);
+        for (place, s) in source.iter().enumerate() {
+            let (sent, area) = (sent(place), self.transport.areas[place]);
+            for (more, scale) in more.iter_mut().zip(SCALES) {
+                *more = each(|i| greater(more[i], s[i] - scale * sent[i]));
+            }
+            mean = each(|i| mean[i] + area * values[place][i]);
+            amplification += area * self.amplification[place];
+        }
+        // Whichever makes the mean least.
+        let cost = |choice: usize, i: usize| SCALES[choice] * mean[i] + more[choice][i] * amplification;
+        let best: [usize; W] = core::array::from_fn(|i| {
+            (0..SCALES.len()).min_by(|a, b| cost(*a, i).total_cmp(&cost(*b, i))).unwrap_or(SCALES.len() - 1)
+        });
+        let last = more[SCALES.len() - 1];
+        let left = each(|i| if last[i] > 0.0 { last[i] / (RAISED * most[i]) } else { 0.0 });
+        Raise { scale: each(|i| SCALES[best[i]]), more: each(|i| more[best[i]][i]), left }
+    }
+
     /// Scales and raises an approximate solution; what it reflects is a bound again, and a better one.
+    ///
+    /// With what rounding does to K V: where an approximate solution is negative it is less than what it is raised by, so that K of its size
+    /// is at most K V and K of that.
     fn raised<const W: usize>(
         &self,
         raise: &Raise<W>,
@@ -104,9 +159,9 @@ impl Above<'_> {
         irradiance: &mut [[f64; W]],
     ) {
         let Raise { scale, more, .. } = raise;
-        let up = 1.0 + ROUNDING;
+        let up = 1.0 + 4.0 * self.rounding;
         for (place, k) in irradiance.iter_mut().enumerate() {
-            let amplified = self.amplified.get(place).copied().unwrap_or(0.0);
+            let amplified = self.amplified.get(place).copied().unwrap_or(0.0) * up;
             *k = each(|i| greater(0.0, scale[i] * k[i] + more[i] * amplified) * up);
             let (s, rho) = (&source[place], &reflectance[place]);
             values[place] = each(|i| (s[i] + rho[i] * k[i]) * up);
@@ -130,67 +185,28 @@ struct Raise<const W: usize> {
     scale: [f64; W],
     /// Times the amplification.
     more: [f64; W],
-    /// The greatest source.
-    most: [f64; W],
-}
-
-impl<const W: usize> Raise<W> {
-    fn new(
-        source: &[[f64; W]],
-        values: &[[f64; W]],
-        irradiance: &[[f64; W]],
-        reflectance: &[[f64; W]],
-        raises: bool,
-    ) -> Self {
-        let greatest = |rows: &[[f64; W]]| rows.iter().fold([0.0_f64; W], |m, row| each(|i| m[i].max(row[i].abs())));
-        let (most, size) = (greatest(source), greatest(values));
-        let sent = |place: usize| -> [f64; W] {
-            let (v, k, rho) = (&values[place], &irradiance[place], &reflectance[place]);
-            each(|i| v[i] - rho[i] * k[i] - ROUNDING * size[i])
-        };
-        let (mut scale, mut more) = ([1.0_f64; W], [0.0_f64; W]);
-        for (place, s) in source.iter().enumerate() {
-            let sent = sent(place);
-            let ratio = |i: usize| if s[i] > 0.0 { s[i] / sent[i] } else { 1.0 };
-            // Negative where no scale is enough.
-            scale = each(|i| if ratio(i) > 0.0 { scale[i].max(ratio(i)) } else { f64::INFINITY });
-        }
-        if raises {
-            scale = scale.map(|t| t.min(SCALED));
-            for (place, s) in source.iter().enumerate() {
-                let sent = sent(place);
-                more = each(|i| greater(more[i], s[i] - scale[i] * sent[i]));
-            }
-        }
-        Self { scale, more, most }
-    }
-
     /// How far off the solution is, where 1 is good enough.
-    fn left(&self) -> f64 {
-        let raised = |i: usize| if self.more[i] > 0.0 { self.more[i] / (RAISED * self.most[i]) } else { 0.0 };
-        let scaled = |i: usize| (self.scale[i] - 1.0) / (SCALED - 1.0);
-        (0..W).fold(0.0, |m: f64, i| m.max(raised(i)).max(if self.scale[i] > SCALED { scaled(i) } else { 0.0 }))
-    }
+    left: [f64; W],
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::{Above, RAISED, SCALED};
     use crate::radiosity::coarse::Coarse;
     use crate::radiosity::solve::System;
     use crate::radiosity::transport::{Buffer, Transport};
 
-    const LEAVES: usize = 40;
+    pub(in crate::radiosity) const LEAVES: usize = 40;
     const GROUPS: usize = 5;
 
     /// Uneven numbers in [0, 1).
-    fn number(seed: usize) -> f64 {
+    pub(in crate::radiosity) fn number(seed: usize) -> f64 {
         let [low, high] = [seed % 97, seed / 97].map(|part| f64::from(u32::try_from(part).unwrap_or(0)));
         (0.618_033_988_75 * (low + 1.0) * (low + 3.0) + 0.414_213_562_37 * high * (high + 7.0)).fract()
     }
 
     /// Leaves of uneven areas that exchange uneven shares of their light, with row sums of at most 1.
-    fn transport() -> Transport {
+    pub(in crate::radiosity) fn transport() -> Transport {
         let areas: Vec<f64> = (0..LEAVES).map(|leaf| 0.5 + number(leaf)).collect();
         let exchange = |a: usize, b: usize| if a == b { 0.0 } else { number(LEAVES * a.min(b) + a.max(b) + 100) };
         let row = |a: usize| (0..LEAVES).map(move |b| exchange(a, b));
@@ -238,7 +254,8 @@ mod tests {
             let lit: Vec<[f64; 2]> =
                 (0..LEAVES).map(|leaf| [number(leaf + 9000), if leaf == 3 { 1.0 } else { 0.0 }]).collect();
             let source: Vec<[f64; 2]> = lit.iter().zip(&reflectance).map(|(h, r)| [h[0] * r[0], h[1] * r[1]]).collect();
-            let scaled = Above { transport: &transport, coarse: &coarse, amplification: &[], amplified: &[] };
+            let rounding = transport.rounding();
+            let scaled = Above { transport: &transport, coarse: &coarse, amplification: &[], amplified: &[], rounding };
             let ones = vec![[1.0]; LEAVES];
             let most = |count: usize| vec![[top]; count];
             let amplification = scaled.solve(&ones, &most(LEAVES), &most(GROUPS), &mut buffer);

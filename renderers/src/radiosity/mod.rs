@@ -50,6 +50,7 @@ mod solution;
 mod solve;
 mod source;
 mod specular;
+mod start;
 mod system;
 mod transport;
 mod view;

@@ -103,11 +103,10 @@ impl System<'_> {
         if tasks == 1 {
             return self.solve_some([0, self.width], start, tolerance, buffer);
         }
-        let first = |task: usize| task * self.width / tasks;
         let solved: Vec<Solved> = (0..tasks)
             .into_par_iter()
             .map(|task| {
-                let some = [first(task), first(task + 1) - first(task)];
+                let some = [task * LANES, LANES.min(self.width - task * LANES)];
                 self.solve_some(some, start, tolerance, &mut Buffer::default())
             })
             .collect();

@@ -171,6 +171,22 @@ impl Transport {
         12 * self.factors.len() + 32 * self.rows() + 20 * self.leaves.len()
     }
 
+    /// At least what rounding may change of any irradiance, as a share of what it would be if all radiosity were positive: twice (1 + u)ⁿ − 1
+    /// for sums of n terms, on the way up, of links and on the way down.
+    pub(super) fn rounding(&self) -> f64 {
+        let most = self.starts.windows(2).map(|row| row[1] - row[0]).max().unwrap_or(0);
+        let mut depth = vec![0_usize; self.rows()];
+        for (index, (children, _)) in self.clusters.iter().enumerate() {
+            children.iter().for_each(|child| depth[*child] = depth[self.children.len() + index] + 1);
+        }
+        for (node, child) in self.children.iter().enumerate().filter(|(_, child)| **child != LEAF) {
+            let below = depth[node] + 1;
+            depth[*child as usize..][..2].fill(below);
+        }
+        let terms = most + 4 * depth.iter().max().unwrap_or(&0) + 8;
+        f64::EPSILON * f64::from(u32::try_from(terms).unwrap_or(u32::MAX))
+    }
+
     /// The mean over each node and cluster of `width` values for each leaf, times `scale` of the leaf.
     #[inline(always)]
     pub(super) fn pull(&self, leaves: &[f64], width: usize, scale: impl Fn(usize) -> f64, nodes: &mut Vec<f64>) {
