@@ -220,7 +220,7 @@ impl<'s> Maps<'s> {
 
     /// The bands whose photons stand for those of a band, with their shares of it: the band itself, or those of the halves, quarters, … of all
     /// waves that it is in, if it is so narrow that photons of one map will do for these: as each photon has a wavelength of its own, they may
-    /// move by a radius, which is half of what the kernel spreads it over, or by a pixel, which is twice `least`. Dispersion is taken to fall like
+    /// move by half of a radius or of a pixel, which is twice `least`. Dispersion is taken to fall like
     /// Cauchy's, and fluxes change little.
     ///
     /// A narrow band across a limit takes photons from both sides: from one alone, it would have the place of waves that are not its own, and
@@ -230,7 +230,7 @@ impl<'s> Maps<'s> {
         let [from, to] = band.limits;
         let shift = self.shift * (MOST_DISPERSIVE[0] / f64::midpoint(from, to)).powi(3);
         let by_flux = CHANGE * f64::from(PROBES) / self.steepest;
-        let narrowest = (f64::from(radius.max(2.0 * least)) / shift).min(by_flux).clamp(NARROWEST, whole);
+        let narrowest = (0.5 * f64::from(radius.max(2.0 * least)) / shift).min(by_flux).clamp(NARROWEST, whole);
         if to == from || to - from >= narrowest {
             return [Some((band, 1.0)), None];
         }

@@ -308,6 +308,9 @@ impl Sources<f64> for Single<'_, '_> {
 /// The part of the threshold that all paths of a pixel together may take before they are traced for narrower intervals.
 const PATH_SHARE: f64 = 0.5;
 
+/// Light of an interval's halves that differs by more than this share of the whole is uneven.
+const UNEVEN: f64 = 0.5;
+
 /// A pixel's radiance as the sources of a program: first its products, then its deferred light.
 ///
 /// Paths change less from wavelength to wavelength than spectra do, and steadily. So deferred light is traced for the halves of the domain and
@@ -442,7 +445,8 @@ impl<'p, 'a> Pixel<'p, 'a> {
         Served { light, estimate: core::array::from_fn(|a| change[a].abs() + bend[a].abs()) }
     }
 
-    /// Whether light that counts for so much is on a line, near enough, at the middles of an interval and its halves.
+    /// Whether light that counts for so much is on a line, near enough, at the middles of an interval and its halves. Three that differ much,
+    /// as in a prism's spectrum, may be on a line by chance: then all that they differ by counts.
     fn is_steady(&mut self, deferred: Deferred, node: Node, scale: f64) -> bool {
         if let Some(known) = self.is_steady.get(&key(deferred, node)) {
             return *known;
@@ -450,7 +454,13 @@ impl<'p, 'a> Pixel<'p, 'a> {
         let [first, last] = halves(node);
         let [a, b, c] = self.shared.bend(node);
         let bend = self.combined(deferred, &[(first, a), (node, b), (last, c)]);
-        let estimate = self.colour(&bend, node).map(|e| (e * scale).abs());
+        let mut estimate = self.colour(&bend, node).map(|e| (e * scale).abs());
+        let change = self.combined(deferred, &[(first, -1.0), (last, 1.0)]);
+        let own = self.combined(deferred, &[(node, 1.0)]);
+        let [change, own] = [&change, &own].map(|light| self.colour(light, node).map(|e| (e * scale).abs()));
+        if (0..3).any(|a| change[a] > UNEVEN * own[a]) {
+            estimate = core::array::from_fn(|a| estimate[a].max(change[a]));
+        }
         #[allow(clippy::cast_precision_loss, reason = "a pixel has fewer")]
         let paths = self.radiance.deferred().len() as f64;
         let allowed = PATH_SHARE * self.shared.settings.threshold * self.share(node) / paths;
