@@ -36,8 +36,9 @@ use crate::vector::{Vector, cross, dot, length, normalized, scale, subtract};
 /// ```
 pub fn disk_configuration_factor<R: Real>(disk: &Disk<R>, receiver: &Receiver<R>) -> R {
     let Some(view) = View::new(disk, receiver.position()) else { return R::ZERO };
-    // Edge-on beside the rim, squares that underflow leave 0/0 of a factor that is next to nothing.
-    view.factor(disk.normal(), receiver.normal()).max(R::ZERO)
+    // Edge-on beside the rim, squares that underflow leave x/0 of a factor that is next to nothing.
+    let factor = view.factor(disk.normal(), receiver.normal());
+    if factor > R::ZERO && factor.is_finite() { factor } else { R::ZERO }
 }
 
 /// The irradiance vector of a whole disk over π times its radiance: its scalar product with the normal of any receiver that has
