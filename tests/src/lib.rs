@@ -17,3 +17,8 @@ pub mod receiver;
 pub mod snell;
 pub mod statistics;
 pub mod tables;
+
+/// The README's example is compiled and run.
+#[cfg(doctest)]
+#[doc = include_str!("../../README.md")]
+pub struct Readme;
