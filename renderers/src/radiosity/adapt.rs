@@ -14,12 +14,12 @@ use spectral_core::interval::Node;
 use super::bounds::{Bounds, Known, MOST_CELLS, bound, seen};
 use super::cell::{Cell, DEPTH, Spectra, Weights};
 use super::coarse::Coarse;
-use super::field::{Column, Field, Lit, Values, Work};
+use super::field::{Field, Lit, Work};
 use super::intervals::IntervalRows;
 use super::representation::Representation;
 use super::solution::Lights;
-use super::system::Judged;
-use super::transport::{Buffer, Transport};
+use super::system::Judgement;
+use super::transport::{Buffer, Buffers, Transport};
 use super::{Radiosity, RadiosityError, Report, Solution};
 use crate::spectral::{Factor, IntervalSettings, Palette};
 
@@ -48,6 +48,7 @@ const PACE: Pace = Pace { start: 0.62, share: 0.6 };
 /// A subdivision that is refined in a model of the scene.
 struct Plan<'f> {
     field: Field<'f>,
+    buffers: Buffers,
     mode: Mode,
     cells: Vec<Known>,
 }
@@ -103,7 +104,7 @@ impl Plan<'_> {
     ) {
         let cells: Vec<Cell> =
             nodes.into_iter().filter_map(|node| spectra.cell(lamp, *lamps.get(lamp)?, node)).collect();
-        let mut work = Work { tolerance: ROUGH, buffer: Buffer::default(), report: &mut |_, _| {} };
+        let mut work = Work { tolerance: ROUGH, buffers: &self.buffers, report: &mut |_, _| {} };
         // What errors are estimated by is needed here, whatever the rows keep.
         let mode = if self.mode == Mode::Corrected { Mode::Paper } else { self.mode };
         let rows = if mode == Mode::Certified && self.field.bounces.is_none() {
@@ -147,16 +148,17 @@ impl Radiosity {
         let mut weights = Weights::default();
         let mut spectra =
             Spectra::new(palette, mode == Mode::Certified, &mut weights).map_err(RadiosityError::Spectrum)?;
-        let mut buffer = Buffer::default();
+        let buffers = Buffers::default();
         let lamps = self.lamps();
         spectra.tabulate(&lamps);
-        let field = self.field(mode, &lamps, &spectra, &mut buffer)?;
+        let field = buffers.lend(|buffer| self.field(mode, &lamps, &spectra, buffer))?;
         // Without an amplification there is no bound to go by.
         let bounded = mode != Mode::Certified || field.is_bounded();
         let planned = if bounded { mode } else { Mode::Corrected };
         let model = Transport::between(&field.coarse);
         let mut plan = Plan {
-            field: model_field(&field, planned, &model, &spectra, &mut buffer),
+            field: buffers.lend(|buffer| model_field(&field, planned, &model, &spectra, buffer)),
+            buffers: Buffers::default(),
             mode: planned,
             cells: Vec::new(),
         };
@@ -172,7 +174,7 @@ impl Radiosity {
             let is_new = |planned: &&Known| !cells.iter().any(|known| known.is((planned.cell.lamp, planned.cell.node)));
             let new: Vec<Cell> = plan.cells.iter().filter(is_new).map(|planned| planned.cell.clone()).collect();
             let estimated = mode == Mode::Certified && bounded && field.bounces.is_none();
-            cells.extend(self.solve_cells(&field, (mode, estimated), new, &mut buffer, &mut report));
+            cells.extend(self.solve_cells(&field, (mode, estimated), new, &buffers, &mut report));
             if mode == Mode::Corrected {
                 report.delta_e_bound = plan.worst();
                 break;
@@ -181,7 +183,7 @@ impl Radiosity {
             let mut places = judged.places_to_split(&cells, settings.threshold, pace.share);
             let open = cells.iter().any(|known| !known.settled);
             if places.is_empty() && open {
-                self.settle(&field, mode, &mut cells, &mut buffer, &mut report);
+                self.settle(&field, mode, &mut cells, &buffers, &mut report);
                 judged = Bounds::new(mode, &cells);
                 places = judged.places_to_split(&cells, settings.threshold, pace.share);
             }
@@ -200,45 +202,35 @@ impl Radiosity {
         field: &Field<'_>,
         (mode, estimated): (Mode, bool),
         cells: Vec<Cell>,
-        buffer: &mut Buffer,
+        buffers: &Buffers,
         report: &mut Report,
     ) -> impl Iterator<Item = Known> + use<> {
-        let rows = self.working(field, buffer, report, |work| {
+        let rows = self.working(buffers, report, |work| {
             if estimated { field.estimate(&cells, work) } else { field.solve(mode, &cells, work) }
         });
         cells.into_iter().zip(rows).map(move |(cell, rows)| Known { cell, rows, settled: !estimated })
     }
 
     /// Solves for the values of cells that have estimates.
-    fn settle(&self, field: &Field<'_>, mode: Mode, cells: &mut [Known], buffer: &mut Buffer, report: &mut Report) {
+    fn settle(&self, field: &Field<'_>, mode: Mode, cells: &mut [Known], buffers: &Buffers, report: &mut Report) {
         let (mut open, mut rows) = (Vec::new(), Vec::new());
         for known in cells.iter_mut().filter(|known| !known.settled) {
             known.settled = true;
             open.push(known.cell.clone());
             rows.push(&mut known.rows);
         }
-        self.working(field, buffer, report, |work| field.settle(mode, &open, rows, work));
+        self.working(buffers, report, |work| field.settle(mode, &open, rows, work));
     }
 
     /// Does something that is told of in a report: passes, residuals and balance.
-    fn working<T>(
-        &self,
-        field: &Field<'_>,
-        buffer: &mut Buffer,
-        report: &mut Report,
-        what: impl FnOnce(&mut Work<'_>) -> T,
-    ) -> T {
-        let mut told = |passes: usize, values: Option<(&[Cell], &[Column], &Values<'_>)>| {
+    fn working<T>(&self, buffers: &Buffers, report: &mut Report, what: impl FnOnce(&mut Work<'_>) -> T) -> T {
+        let mut told = |passes: usize, judgement: Option<&Judgement>| {
             report.passes += passes;
-            if let Some((cells, columns, values)) = values {
-                let emitted = field.of_lamps(cells, columns, |lamp| &lamp.emitted);
-                self.judge(&Judged::new(&values.system, &emitted, &values.solved), report);
+            if let Some(judgement) = judgement {
+                judgement.note(report);
             }
         };
-        let mut work = Work { tolerance: self.settings.residual, buffer: core::mem::take(buffer), report: &mut told };
-        let result = what(&mut work);
-        *buffer = work.buffer;
-        result
+        what(&mut Work { tolerance: self.settings.residual, buffers, report: &mut told })
     }
 
     /// The leaves of the palette that lights have.
@@ -278,6 +270,7 @@ impl Radiosity {
             surface,
             lamps: Vec::new(),
             largest_sum: self.balance.largest,
+            sums: &self.sums,
             coarse: Coarse::new(&self.transport, group, count, buffer),
             of_groups,
             amplification: Vec::new(),
@@ -397,6 +390,7 @@ fn model_field<'m>(
         reflectances: field.reflectances.clone(),
         lamps: field.lamps.iter().map(of_lamp).collect(),
         largest_sum: field.largest_sum,
+        sums: &[],
         coarse: coarse.of_itself(),
         of_groups: field.of_groups.clone(),
         amplification: Vec::new(),

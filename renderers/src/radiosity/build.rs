@@ -7,7 +7,7 @@ use super::mesh::Patches;
 use super::scalar::luminous;
 use super::solve::System;
 use super::source::{self, Source};
-use super::transport::{Buffer, Link, Transport};
+use super::transport::{Buffer, Buffers, Link, Transport};
 use crate::spectral::Palette;
 
 /// Passes of refinement, each to a quarter of the flux of the one before.
@@ -108,16 +108,16 @@ impl<'s> Builder<'s> {
         let largest_sum = transport.row_sums(buffer).iter().fold(1.0, |m: f64, s| m.max(*s));
         // Coarse links may send more than there is.
         let reflectance = of_leaf.iter().map(|r| (r / largest_sum).min(0.9995)).collect();
-        let system = System { transport: &transport, width: 1, reflectance, direct, lit, largest_sum };
+        let system = System { transport: &transport, width: 1, reflectance, lit, largest_sum };
         let solved = match self.settings.bounces {
             Some(count) => system.bounces(count, buffer),
-            None => system.solve(ROUGH, buffer),
+            None => system.solve(ROUGH, &Buffers::default()),
         };
         let total: Vec<f64> = solved.reflected.iter().zip(&emitted).map(|(x, e)| x + e).collect();
         let weighted: Vec<f64> = solved.reflected.iter().zip(&emitted).map(|(x, e)| x + LAMP * e).collect();
         let mut irradiance = vec![0.0; total.len()];
         transport.apply(&total, &mut irradiance, 1, buffer);
-        irradiance.iter_mut().zip(&system.direct).for_each(|(e, d)| *e += d);
+        irradiance.iter_mut().zip(&direct).for_each(|(e, d)| *e += d);
         let moment = |power| irradiance.iter().zip(&transport.areas).map(|(e, a)| a * e.powi(power)).sum::<f64>();
         let (flux, square) = (moment(1), moment(2));
         // Mean irradiance, each place weighted with its own.

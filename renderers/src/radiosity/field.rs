@@ -24,14 +24,14 @@ use spectral_core::adaptive::Mode;
 
 use super::cell::{Cell, LEAST_SHARE, Part, ROUNDING, Row};
 use super::coarse::Coarse;
-use super::majorant::{Above, Majorant};
+use super::majorant::{Above, Kinds, Majorant};
 use super::solve::{Solved, System};
 use super::start::{Basis, Leaves};
-use super::transport::{Buffer, Transport};
+use super::system::{self, Judgement};
+use super::transport::{Buffer, Buffers, Transport};
 use crate::spectral::Factor;
 
 /// Columns of values that are solved for together, and cells whose bounds are.
-const COLUMNS: usize = 32;
 const LANES: usize = 8;
 /// So many cells have neighbours that are near enough to interpolate between.
 const MANY: usize = 6;
@@ -62,6 +62,8 @@ pub(super) struct Field<'t> {
     pub(super) reflectances: Vec<Factor>,
     pub(super) lamps: Vec<Lit>,
     pub(super) largest_sum: f64,
+    /// What each leaf sees of others, ΣF; empty where nobody asks for a balance.
+    pub(super) sums: &'t [f64],
     /// Groups of leaves, and the index of the reflectance of each.
     pub(super) coarse: Coarse,
     pub(super) of_groups: Vec<usize>,
@@ -73,30 +75,34 @@ pub(super) struct Field<'t> {
     pub(super) bounces: Option<u32>,
 }
 
-/// Told how often a number was carried through the operator, and of the values of each block of cells.
-pub(super) type Told<'w> = dyn FnMut(usize, Option<(&[Cell], &[Column], &Values<'_>)>) + 'w;
+/// Told how often a number was carried through the operator, and of the balance of each block of values.
+pub(super) type Told<'w> = dyn FnMut(usize, Option<&Judgement>) + 'w;
 
 /// Room and aims for solutions, and who is told of them.
 pub(super) struct Work<'w> {
     pub(super) tolerance: f64,
-    pub(super) buffer: Buffer,
+    pub(super) buffers: &'w Buffers,
     pub(super) report: &'w mut Told<'w>,
 }
 
-/// The values of a block of cells, for reports.
-pub(super) struct Values<'f> {
-    pub(super) system: System<'f>,
-    pub(super) solved: Solved,
+/// Some columns of values.
+struct Block<'c> {
+    columns: &'c [Column],
+    solved: Solved,
+    judgement: Judgement,
+    /// For each column, the greatest share that its light has of the estimate, and what iteration and rounding leave as a residual.
+    left: Vec<[f64; 2]>,
 }
 
 impl<'t> Field<'t> {
     /// Finds the amplification for reflectances of at most `greatest`.
     pub(super) fn amplify(&mut self, greatest: &[f64], buffer: &mut Buffer) {
-        let rows = |surface: &[usize]| surface.iter().map(|s| [greatest[*s]]).collect::<Vec<_>>();
+        let kinds: Vec<[f64; 1]> = greatest.iter().map(|v| [*v]).collect();
+        let of_groups: Vec<[f64; 1]> = self.of_groups.iter().map(|s| kinds[*s]).collect();
+        let reflectance = Kinds { numbers: &kinds, kind: &self.surface };
         let above = Above { amplification: &[], amplified: &[], ..self.above() };
         let ones = vec![[1.0]; self.surface.len()];
-        let Majorant { values, irradiance, .. } =
-            above.solve(&ones, &rows(&self.surface), &rows(&self.of_groups), buffer);
+        let Majorant { values, irradiance, .. } = above.solve(&ones, reflectance, &of_groups, buffer);
         // What is returned is reflected once more, so that A − ρKA ≥ 1 holds but for rounding of that: a share of the largest A.
         let lost = 8.0 * self.rounding * values.as_flattened().iter().fold(0.0, |m: f64, a| m.max(*a));
         let up = if lost <= 0.5 { 1.0 + 2.0 * lost } else { f64::INFINITY };
@@ -142,10 +148,11 @@ impl<'t> Field<'t> {
         // More than one task, where there is enough for that.
         let most = cells.len().div_ceil(2).clamp(2, LANES);
         let mut blocks: Vec<&[Cell]> = cells.chunks(most).collect();
+        let buffers = work.buffers;
         let found: Vec<(Vec<Vec<Row>>, usize)> = if let [block] = blocks[..] {
-            vec![self.bounds(block, &mut work.buffer)]
+            vec![work.buffers.lend(|buffer| self.bounds(block, buffer))]
         } else {
-            blocks.par_drain(..).map(|block| self.bounds(block, &mut Buffer::default())).collect()
+            blocks.par_drain(..).map(|block| buffers.lend(|buffer| self.bounds(block, buffer))).collect()
         };
         (work.report)(found.iter().map(|(_, passes)| passes).sum(), None);
         found.into_iter().flat_map(|(rows, _)| rows).collect()
@@ -165,9 +172,9 @@ impl<'t> Field<'t> {
         rows
     }
 
-    /// A number of the lamps, for each leaf and column.
-    pub(super) fn of_lamps(&self, cells: &[Cell], columns: &[Column], number: impl Fn(&Lit) -> &[f64]) -> Vec<f64> {
-        let lamps: Vec<&[f64]> = columns.iter().map(|(cell, _)| number(&self.lamps[cells[*cell].lamp])).collect();
+    /// What all leaves receive from the lamps, for each leaf and column.
+    fn lit(&self, cells: &[Cell], columns: &[Column]) -> Vec<f64> {
+        let lamps: Vec<&[f64]> = columns.iter().map(|(cell, _)| &*self.lamps[cells[*cell].lamp].all).collect();
         let mut rows = Vec::with_capacity(self.surface.len() * lamps.len());
         (0..self.surface.len()).for_each(|leaf| rows.extend(lamps.iter().map(|lamp| lamp[leaf])));
         rows
@@ -180,31 +187,36 @@ impl<'t> Field<'t> {
         let parts = self.parts(cells);
         let channels: &[usize] = if mode == Mode::Paper { &[X, FIRST, Z, COMMON] } else { &[X, FIRST, Z] };
         let stages = stages(cells, channels);
-        let mut left = vec![Left::default(); cells.len()];
+        let mut left: Vec<Left> = vec![Left::default(); cells.len()];
         if mode == Mode::Certified && self.is_bounded() {
-            for (cell, (left, rows)) in left.iter_mut().zip(&rows).enumerate() {
+            left.par_iter_mut().zip(&rows).enumerate().for_each(|(cell, (left, rows))| {
                 left.estimate =
                     rows.iter().zip(&self.surface).map(|(row, s)| estimate(&parts[*s][cell], row)).collect();
-            }
+            });
         }
-        let mut known = None;
-        for columns in stages {
-            let mut found = Vec::new();
+        let (mut known, mut blocks) = (None, Vec::new());
+        for columns in &stages {
             let basis = known.as_ref().map(|known| self.basis(known));
-            for columns in columns.chunks(COLUMNS) {
-                let values = self.values(cells, &parts, columns, basis.as_ref(), work);
-                values.put(self, columns, &mut rows, &mut left);
-                if basis.is_none() {
-                    found.push(values.solved);
-                }
+            let (tolerance, buffers) = (work.tolerance, work.buffers);
+            let solve = |columns| self.block(cells, &parts, columns, (basis.as_ref(), tolerance, buffers), &left);
+            let found: Vec<Block<'_>> = columns.par_chunks(LANES).map(solve).collect();
+            found.iter().for_each(|block| (work.report)(block.solved.passes, Some(&block.judgement)));
+            if known.is_none() && stages.len() > 1 {
+                known = Some(Solved::side_by_side(&found.iter().map(|block| &block.solved).collect::<Vec<_>>()));
             }
-            known = Some(Solved::side_by_side(found));
+            blocks.extend(found);
         }
-        if mode == Mode::Certified {
-            for (rows, left) in rows.into_iter().zip(left) {
+        for block in &blocks {
+            for ((cell, _), [share, residual]) in block.columns.iter().zip(&block.left) {
+                left[*cell].note(*share, *residual);
+            }
+        }
+        rows.par_iter_mut().zip(left).enumerate().for_each(|(cell, (rows, left))| {
+            blocks.iter().for_each(|block| block.put(cell, rows));
+            if mode == Mode::Certified {
                 left.cover(rows, self);
             }
-        }
+        });
     }
 
     /// Solutions that others are near to.
@@ -215,20 +227,19 @@ impl<'t> Field<'t> {
     }
 
     /// Solves for some columns.
-    fn values<'f>(
-        &'f self,
+    fn block<'c>(
+        &self,
         cells: &[Cell],
         parts: &[Vec<Part>],
-        columns: &[Column],
-        basis: Option<&Basis<'_>>,
-        work: &mut Work<'_>,
-    ) -> Values<'f> {
+        columns: &'c [Column],
+        (basis, tolerance, buffers): (Option<&Basis<'_>>, f64, &Buffers),
+        left: &[Left],
+    ) -> Block<'c> {
         let system = System {
             transport: self.transport,
             width: columns.len(),
             reflectance: self.reflectance(parts, columns),
-            direct: self.of_lamps(cells, columns, |lamp| &lamp.direct),
-            lit: self.of_lamps(cells, columns, |lamp| &lamp.all),
+            lit: self.lit(cells, columns),
             largest_sum: self.largest_sum,
         };
         let start = basis.map(|basis| {
@@ -238,10 +249,40 @@ impl<'t> Field<'t> {
             };
             basis.combined(&columns.iter().map(factors).collect::<Vec<_>>())
         });
-        let solved = system.solve_from(start.as_ref(), work.tolerance, &mut work.buffer);
-        let values = Values { system, solved };
-        (work.report)(values.solved.passes, Some((cells, columns, &values)));
-        values
+        let solved = system.solve_from(start.as_ref(), tolerance, buffers);
+        let lamps: Vec<&Lit> = columns.iter().map(|(cell, _)| &self.lamps[cells[*cell].lamp]).collect();
+        let part = |leaf: usize, column: usize| {
+            let place = leaf * columns.len() + column;
+            let arriving = solved.irradiance[place] + system.lit[place];
+            let (emitted, direct) = (lamps[column].emitted[leaf], lamps[column].direct[leaf]);
+            let leaving = arriving * system.reflectance[place];
+            system::Part { emitted, direct, arriving, leaving, reflected: solved.reflected[place] }
+        };
+        let judgement = Judgement::new((&self.transport.areas, self.sums), &solved, &system.amplification(), part);
+        let left = self.left(&system, &solved, columns, left);
+        Block { columns, solved, judgement, left }
+    }
+
+    /// For each column, the greatest share that its light has of the estimate, and what iteration and rounding leave as a residual.
+    ///
+    /// Rounding: of K X and of H₀, which is K of something, too, and of the mean reflectances.
+    fn left(&self, system: &System<'_>, solved: &Solved, columns: &[Column], left: &[Left]) -> Vec<[f64; 2]> {
+        let rounding = 2.0 * self.rounding + ROUNDING;
+        let width = columns.len();
+        let of_column = |(column, (cell, _)): (usize, &Column)| {
+            let number = |rows: &[f64], leaf: usize| rows[leaf * width + column];
+            let (mut share, mut most, mut lit_most) = (0.0_f64, 0.0_f64, 0.0_f64);
+            for leaf in 0..self.surface.len() {
+                let lit = number(&system.lit, leaf);
+                most = most.max(number(&solved.reflected, leaf).abs());
+                lit_most = lit_most.max(lit.abs());
+                if let Some(estimate) = left[*cell].estimate.get(leaf) {
+                    share = share.max((number(&solved.irradiance, leaf) + lit) / estimate);
+                }
+            }
+            [share, solved.residual[column] + rounding * (self.largest_sum.max(1.0) * most + lit_most)]
+        };
+        columns.iter().enumerate().map(of_column).collect()
     }
 
     /// Norms and radii, and how often something was carried through the operator.
@@ -261,38 +302,41 @@ impl<'t> Field<'t> {
 
     fn bounds_of<const W: usize>(&self, cells: &[Cell], buffer: &mut Buffer) -> (Vec<Vec<Row>>, usize) {
         let parts = self.parts(cells);
-        let of = |surface: &[usize], number: &dyn Fn(&Part) -> f64| -> Vec<[f64; W]> {
-            let known: Vec<[f64; W]> =
-                parts.iter().map(|parts| core::array::from_fn(|cell| number(&parts[cell]))).collect();
-            surface.iter().map(|surface| known[*surface]).collect()
+        let of_kinds = |number: &dyn Fn(&Part) -> f64| -> Vec<[f64; W]> {
+            parts.iter().map(|parts| core::array::from_fn(|cell| number(&parts[cell]))).collect()
         };
         let above = self.above();
         let mut passes = 0;
-        let mut least = |source: &[[f64; W]], number: &dyn Fn(&Part) -> f64| {
-            let found = above.solve(source, &of(&self.surface, number), &of(&self.of_groups, number), buffer);
+        let mut least = |source: &[[f64; W]], numbers: &[[f64; W]]| {
+            let of_groups: Vec<[f64; W]> = self.of_groups.iter().map(|kind| numbers[*kind]).collect();
+            let found = above.solve(source, Kinds { numbers, kind: &self.surface }, &of_groups, buffer);
             passes += found.passes;
             found
         };
-        let times = |a: &[[f64; W]], b: &[[f64; W]]| -> Vec<[f64; W]> {
-            a.iter().zip(b).map(|(a, b)| core::array::from_fn(|i| a[i] * b[i])).collect()
+        let times = |rows: &[[f64; W]], numbers: &[[f64; W]]| -> Vec<[f64; W]> {
+            let kinds = Kinds { numbers, kind: &self.surface };
+            rows.iter().zip(kinds.rows()).map(|(a, b)| core::array::from_fn(|i| a[i] * b[i])).collect()
         };
+        let [most, high, deviation] =
+            [of_kinds(&|part| part.most), of_kinds(&|part| part.high), of_kinds(&|part| part.deviation)];
         let lamps: [&[f64]; W] = core::array::from_fn(|cell| &*self.lamps[cells[cell].lamp].all);
         let up = 1.0 + 2.0 * self.rounding;
         let mut light: Vec<[f64; W]> =
             (0..self.surface.len()).map(|leaf| lamps.map(|lamp| lamp[leaf].abs() * up)).collect();
-        let once = least(&times(&light, &of(&self.surface, &|part| part.most)), &|part| part.most);
+        let once = least(&times(&light, &most), &most);
         for (light, more) in light.iter_mut().zip(&once.irradiance) {
             *light = core::array::from_fn(|i| (light[i] + more[i]) * up);
         }
-        let deviation = of(&self.surface, &|part| part.deviation);
-        let norm = least(&times(&light, &deviation), &|part| part.high);
-        let radius = least(&times(&norm.irradiance, &deviation), &|part| part.most);
-        let row = |leaf: usize, cell: usize| Row {
-            value: parts[self.surface[leaf]][cell].mean.map(|mean| mean * light[leaf][cell]),
-            norm: norm.values[leaf][cell],
-            radius: radius.values[leaf][cell],
-        };
-        let rows = (0..W).map(|cell| (0..self.surface.len()).map(|leaf| row(leaf, cell)).collect()).collect();
+        let norm = least(&times(&light, &deviation), &high);
+        let radius = least(&times(&norm.irradiance, &deviation), &most);
+        let mut rows: Vec<Vec<Row>> = (0..W).map(|_| Vec::with_capacity(self.surface.len())).collect();
+        let leaves = light.iter().zip(&norm.values).zip(&radius.values).zip(&self.surface);
+        for (((light, norm), radius), kind) in leaves {
+            for (cell, (rows, part)) in rows.iter_mut().zip(&parts[*kind]).enumerate() {
+                let value = part.mean.map(|mean| mean * light[cell]);
+                rows.push(Row { value, norm: norm[cell], radius: radius[cell] });
+            }
+        }
         (rows, passes)
     }
 
@@ -315,7 +359,7 @@ impl<'t> Field<'t> {
         let width = 5 * cells.len();
         let (mut rows, mut irradiance) = (vec![0.0; self.surface.len() * width], vec![0.0; self.surface.len() * width]);
         for _ in 0..count {
-            self.transport.apply(&rows, &mut irradiance, width, &mut work.buffer);
+            work.buffers.lend(|buffer| self.transport.apply(&rows, &mut irradiance, width, buffer));
             (work.report)(width, None);
             for (leaf, surface) in self.surface.iter().enumerate() {
                 for (cell, part) in parts[*surface].iter().enumerate() {
@@ -333,29 +377,13 @@ impl<'t> Field<'t> {
     }
 }
 
-impl Values<'_> {
-    /// Puts the values of some columns into rows, and notes what iteration and rounding leave as a residual of each cell.
-    ///
-    /// Rounding: of K X and of H₀, which is K of something, too, and of the mean reflectances.
-    fn put(&self, field: &Field<'_>, columns: &[Column], rows: &mut [&mut Vec<Row>], left: &mut [Left]) {
-        let Self { system, solved } = self;
-        let width = system.width;
-        let (mut most, mut lit_most) = (vec![0.0_f64; width], vec![0.0_f64; width]);
-        let all = solved.reflected.chunks(width).zip(solved.irradiance.chunks(width)).zip(system.lit.chunks(width));
-        for (leaf, ((values, irradiance), lit)) in all.enumerate() {
-            for (index, (cell, channel)) in columns.iter().enumerate() {
-                let row = &mut rows[*cell][leaf];
+impl Block<'_> {
+    /// Puts the values of one cell into its rows.
+    fn put(&self, cell: usize, rows: &mut [Row]) {
+        for (index, (_, channel)) in self.columns.iter().enumerate().filter(|(_, column)| column.0 == cell) {
+            for (row, values) in rows.iter_mut().zip(self.solved.reflected.chunks(self.columns.len())) {
                 *row.value.get_mut(*channel).unwrap_or(&mut row.norm) = values[index];
-                most[index] = most[index].max(values[index].abs());
-                lit_most[index] = lit_most[index].max(lit[index].abs());
-                left[*cell].note(leaf, irradiance[index] + lit[index]);
             }
-        }
-        let rounding = 2.0 * field.rounding + ROUNDING;
-        for (index, (cell, _)) in columns.iter().enumerate() {
-            let largest = field.largest_sum.max(1.0) * most[index] + lit_most[index];
-            let residual = &mut left[*cell].residual;
-            *residual = residual.max(solved.residual[index] + rounding * largest);
         }
     }
 }
@@ -372,10 +400,9 @@ struct Left {
 }
 
 impl Left {
-    fn note(&mut self, leaf: usize, light: f64) {
-        if let Some(estimate) = self.estimate.get(leaf) {
-            self.share = self.share.max(light / estimate);
-        }
+    fn note(&mut self, share: f64, residual: f64) {
+        self.share = self.share.max(share);
+        self.residual = self.residual.max(residual);
     }
 
     /// Norms are linear in the light, and radii in the norms: less of it is known to be needed. Both then cover what is left of values.
@@ -409,12 +436,14 @@ fn mean(part: &Part, channel: usize) -> f64 {
     part.mean.get(channel).copied().unwrap_or(part.common)
 }
 
-/// The columns of some cells, in the order of solution: those of a later stage are near to combinations of those of the first.
+/// The columns of some cells, in the order of solution: those of a later stage are near to combinations of those of the first, which fill their
+/// blocks where they can.
 fn stages(cells: &[Cell], channels: &[usize]) -> Vec<Vec<Column>> {
     let columns = (0..cells.len()).flat_map(|cell| channels.iter().map(move |channel| (cell, *channel)));
     if cells.len() < MANY {
         return vec![columns.collect()];
     }
-    let (first, others) = columns.partition(|(_, channel)| *channel == FIRST);
+    let full = if cells.len() < LANES { cells.len() } else { cells.len() / LANES * LANES };
+    let (first, others) = columns.partition(|(cell, channel)| *channel == FIRST && *cell < full);
     vec![first, others]
 }

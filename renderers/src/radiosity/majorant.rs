@@ -35,6 +35,24 @@ pub(super) struct Above<'a> {
     pub(super) rounding: f64,
 }
 
+/// A number of each leaf's kind, for some components.
+#[derive(Clone, Copy)]
+pub(super) struct Kinds<'k, const W: usize> {
+    pub(super) numbers: &'k [[f64; W]],
+    /// The kind of each leaf.
+    pub(super) kind: &'k [usize],
+}
+
+impl<'k, const W: usize> Kinds<'k, W> {
+    pub(super) fn of(&self, leaf: usize) -> &'k [f64; W] {
+        &self.numbers[self.kind[leaf]]
+    }
+
+    pub(super) fn rows(self) -> impl Iterator<Item = &'k [f64; W]> {
+        self.kind.iter().map(move |kind| &self.numbers[*kind])
+    }
+}
+
 /// At least the solution X, at least K X, and how often this was carried through the operator.
 pub(super) struct Majorant<const W: usize> {
     pub(super) values: Vec<[f64; W]>,
@@ -51,7 +69,7 @@ impl Above<'_> {
     pub(super) fn solve<const W: usize>(
         &self,
         source: &[[f64; W]],
-        reflectance: &[[f64; W]],
+        reflectance: Kinds<'_, W>,
         of_groups: &[[f64; W]],
         buffer: &mut Buffer,
     ) -> Majorant<W> {
@@ -64,7 +82,7 @@ impl Above<'_> {
             self.transport.apply_rows(&residual, &mut irradiance, buffer);
             let smooth = self.smooth(&factored, of_groups, &irradiance);
             let spread = self.coarse.spread.chunks(self.coarse.count().max(1));
-            let rows = values.iter_mut().zip(&residual).zip(&irradiance).zip(reflectance).zip(spread);
+            let rows = values.iter_mut().zip(&residual).zip(&irradiance).zip(reflectance.rows()).zip(spread);
             for ((((v, r), k), rho), spread) in rows {
                 let light = spread.iter().zip(&smooth).fold(*k, |sum, (e, c)| each(|i| sum[i] + e * c[i]));
                 *v = each(|i| v[i] + r[i] + rho[i] * light[i]);
@@ -79,7 +97,7 @@ impl Above<'_> {
                 return Majorant { values, irradiance, passes };
             }
             before = left;
-            let rows = residual.iter_mut().zip(source).zip(&values).zip(&irradiance).zip(reflectance);
+            let rows = residual.iter_mut().zip(source).zip(&values).zip(&irradiance).zip(reflectance.rows());
             rows.for_each(|((((r, s), v), k), rho)| *r = each(|i| s[i] - (v[i] - rho[i] * k[i])));
         }
     }
@@ -107,12 +125,12 @@ impl Above<'_> {
         source: &[[f64; W]],
         values: &[[f64; W]],
         irradiance: &[[f64; W]],
-        reflectance: &[[f64; W]],
+        reflectance: Kinds<'_, W>,
     ) -> Raise<W> {
         let greatest = |rows: &[[f64; W]]| rows.iter().fold([0.0_f64; W], |m, row| each(|i| m[i].max(row[i].abs())));
         let (most, size) = (greatest(source), greatest(values));
         let sent = |place: usize| -> [f64; W] {
-            let (v, k, rho) = (&values[place], &irradiance[place], &reflectance[place]);
+            let (v, k, rho) = (&values[place], &irradiance[place], reflectance.of(place));
             each(|i| v[i] - rho[i] * k[i] - self.rounding * size[i])
         };
         if self.amplification.is_empty() {
@@ -154,7 +172,7 @@ impl Above<'_> {
         &self,
         raise: &Raise<W>,
         source: &[[f64; W]],
-        reflectance: &[[f64; W]],
+        reflectance: Kinds<'_, W>,
         values: &mut [[f64; W]],
         irradiance: &mut [[f64; W]],
     ) {
@@ -163,7 +181,7 @@ impl Above<'_> {
         for (place, k) in irradiance.iter_mut().enumerate() {
             let amplified = self.amplified.get(place).copied().unwrap_or(0.0) * up;
             *k = each(|i| greater(0.0, scale[i] * k[i] + more[i] * amplified) * up);
-            let (s, rho) = (&source[place], &reflectance[place]);
+            let (s, rho) = (&source[place], reflectance.of(place));
             values[place] = each(|i| (s[i] + rho[i] * k[i]) * up);
         }
     }
@@ -191,10 +209,10 @@ struct Raise<const W: usize> {
 
 #[cfg(test)]
 pub(super) mod tests {
-    use super::{Above, RAISED, SCALED};
+    use super::{Above, Kinds, RAISED, SCALED};
     use crate::radiosity::coarse::Coarse;
     use crate::radiosity::solve::System;
-    use crate::radiosity::transport::{Buffer, Transport};
+    use crate::radiosity::transport::{Buffer, Buffers, Transport};
 
     pub(in crate::radiosity) const LEAVES: usize = 40;
     const GROUPS: usize = 5;
@@ -258,22 +276,24 @@ pub(super) mod tests {
             let scaled = Above { transport: &transport, coarse: &coarse, amplification: &[], amplified: &[], rounding };
             let ones = vec![[1.0]; LEAVES];
             let most = |count: usize| vec![[top]; count];
-            let amplification = scaled.solve(&ones, &most(LEAVES), &most(GROUPS), &mut buffer);
+            let most_of_kinds = most(1);
+            let all = Kinds { numbers: &most_of_kinds, kind: &[0; LEAVES] };
+            let amplification = scaled.solve(&ones, all, &most(GROUPS), &mut buffer);
             let above = Above {
                 amplification: amplification.values.as_flattened(),
                 amplified: amplification.irradiance.as_flattened(),
                 ..scaled
             };
-            let found = above.solve(&source, &reflectance, &of_groups, &mut buffer);
+            let each: Vec<usize> = (0..LEAVES).collect();
+            let found = above.solve(&source, Kinds { numbers: &reflectance, kind: &each }, &of_groups, &mut buffer);
             let system = System {
                 transport: &transport,
                 width: 2,
                 reflectance: reflectance.into_flattened(),
-                direct: Vec::new(),
                 lit: lit.into_flattened(),
                 largest_sum: 1.0,
             };
-            let exact = system.solve(1e-13, &mut buffer);
+            let exact = system.solve(1e-13, &Buffers::default());
             let pairs = [(&found.values, &exact.reflected), (&found.irradiance, &exact.irradiance)];
             for (bound, exact) in pairs {
                 for (place, (bound, exact)) in bound.as_flattened().iter().zip(exact.iter()).enumerate() {

@@ -4,9 +4,11 @@
 //! symmetric and positive definite in the inner product weighted by A/ρ, where there is a solution: conjugate gradients need some
 //! ten steps even at ρ = 0.999, where Jacobi's iteration would need thousands.
 
+use alloc::borrow::Cow;
+
 use rayon::prelude::*;
 
-use super::transport::{Buffer, Transport};
+use super::transport::{Buffer, Buffers, Transport};
 
 /// The most steps.
 const MOST_STEPS: usize = 2000;
@@ -21,8 +23,6 @@ pub(super) struct System<'t> {
     pub(super) width: usize,
     /// ρ.
     pub(super) reflectance: Vec<f64>,
-    /// The part of H₀ from lights without area.
-    pub(super) direct: Vec<f64>,
     /// H₀.
     pub(super) lit: Vec<f64>,
     /// The largest row sum of K.
@@ -43,35 +43,31 @@ pub(super) struct Solved {
 
 impl Solved {
     /// The components of several solutions, one after the other.
-    pub(super) fn side_by_side(some: Vec<Self>) -> Self {
+    pub(super) fn side_by_side(some: &[&Self]) -> Self {
         let width: usize = some.iter().map(|some| some.residual.len()).sum();
         let length: usize = some.iter().map(|some| some.reflected.len()).sum();
-        let mut all = Self {
-            reflected: vec![0.0; length],
-            irradiance: vec![0.0; length],
-            steps: 0,
-            passes: 0,
-            residual: Vec::with_capacity(width),
-        };
-        for some in some {
-            let (first, own) = (all.residual.len(), some.residual.len());
-            for (to, from) in [(&mut all.reflected, &some.reflected), (&mut all.irradiance, &some.irradiance)] {
-                for (to, from) in to.chunks_mut(width).zip(from.chunks(own)) {
-                    to[first..first + own].copy_from_slice(from);
-                }
+        let rows = |of: fn(&Self) -> &[f64]| {
+            let mut all = Vec::with_capacity(length);
+            let mut rows: Vec<_> = some.iter().map(|some| of(some).chunks(some.residual.len().max(1))).collect();
+            for _ in 0..length / width.max(1) {
+                rows.iter_mut().filter_map(Iterator::next).for_each(|row| all.extend_from_slice(row));
             }
-            all.steps = all.steps.max(some.steps);
-            all.passes += some.passes;
-            all.residual.extend(some.residual);
+            all
+        };
+        Self {
+            reflected: rows(|some| &some.reflected),
+            irradiance: rows(|some| &some.irradiance),
+            steps: some.iter().map(|some| some.steps).max().unwrap_or(0),
+            passes: some.iter().map(|some| some.passes).sum(),
+            residual: some.iter().flat_map(|some| some.residual.iter().copied()).collect(),
         }
-        all
     }
 }
 
 /// Some components, in rows of a width that is known in advance.
 struct Lanes<'b, const W: usize> {
-    reflectance: Vec<[f64; W]>,
-    lit: Vec<[f64; W]>,
+    reflectance: Cow<'b, [[f64; W]]>,
+    lit: Cow<'b, [[f64; W]]>,
     amplification: [f64; W],
     buffer: &'b mut Buffer,
 }
@@ -93,24 +89,22 @@ impl System<'_> {
     /// All reflections: the error is at most the residual over 1 − ρ ΣF, `tolerance` times the largest radiosity or less.
     ///
     /// Components are shared out among threads, always the same ones together.
-    pub(super) fn solve(&self, tolerance: f64, buffer: &mut Buffer) -> Solved {
-        self.solve_from(None, tolerance, buffer)
+    pub(super) fn solve(&self, tolerance: f64, buffers: &Buffers) -> Solved {
+        self.solve_from(None, tolerance, buffers)
     }
 
     /// The same from what may be near to X, and K times that.
-    pub(super) fn solve_from(&self, start: Option<&[Vec<f64>; 2]>, tolerance: f64, buffer: &mut Buffer) -> Solved {
+    pub(super) fn solve_from(&self, start: Option<&[Vec<f64>; 2]>, tolerance: f64, buffers: &Buffers) -> Solved {
         let tasks = self.width.div_ceil(LANES);
+        let solve = |some| buffers.lend(|buffer| self.solve_some(some, start, tolerance, buffer));
         if tasks == 1 {
-            return self.solve_some([0, self.width], start, tolerance, buffer);
+            return solve([0, self.width]);
         }
         let solved: Vec<Solved> = (0..tasks)
             .into_par_iter()
-            .map(|task| {
-                let some = [task * LANES, LANES.min(self.width - task * LANES)];
-                self.solve_some(some, start, tolerance, &mut Buffer::default())
-            })
+            .map(|task| solve([task * LANES, LANES.min(self.width - task * LANES)]))
             .collect();
-        Solved::side_by_side(solved)
+        Solved::side_by_side(&solved.iter().collect::<Vec<_>>())
     }
 
     /// Up to [`LANES`] components.
@@ -140,21 +134,29 @@ impl System<'_> {
         tolerance: f64,
         buffer: &mut Buffer,
     ) -> Solved {
-        let rows = |of: &[f64]| -> Vec<[f64; W]> {
-            of.chunks(self.width).map(|row| core::array::from_fn(|i| row[first + i])).collect()
-        };
-        let reflectance = rows(&self.reflectance);
+        let reflectance: Cow<'_, [[f64; W]]> = self.lanes(&self.reflectance, first);
         let symmetric = reflectance.as_flattened().iter().all(|r| *r >= 0.0);
         let amplification = amplification(&reflectance, self.largest_sum);
-        let mut lanes = Lanes { reflectance, lit: rows(&self.lit), amplification, buffer };
+        let mut lanes = Lanes { reflectance, lit: self.lanes(&self.lit, first), amplification, buffer };
         if symmetric {
-            let (found, steps) =
-                lanes.conjugate_gradients(self.transport, start.map(|[x, k]| [rows(x), rows(k)]), tolerance);
+            let (found, steps) = lanes.conjugate_gradients(
+                self.transport,
+                start.map(|[x, k]| [self.lanes(x, first), self.lanes(k, first)]),
+                tolerance,
+            );
             lanes.finish(self.transport, found, steps, tolerance, 3)
         } else {
-            let once = lanes.reflectance.iter().zip(&lanes.lit).map(|(r, h)| each(|i| r[i] * h[i])).collect();
+            let once = lanes.reflectance.iter().zip(&*lanes.lit).map(|(r, h)| each(|i| r[i] * h[i])).collect();
             lanes.finish(self.transport, once, 0, tolerance, MOST_STEPS)
         }
+    }
+
+    /// Some components of all rows, which aren't copied where there are no others.
+    fn lanes<'r, const W: usize>(&self, rows: &'r [f64], first: usize) -> Cow<'r, [[f64; W]]> {
+        if self.width == W {
+            return Cow::Borrowed(rows.as_chunks().0);
+        }
+        Cow::Owned(rows.chunks(self.width).map(|row| each(|i| row[first + i])).collect())
     }
 
     /// 1 / (1 − ρ ΣF) for each component, 1 where this doesn't bound anything.
@@ -220,7 +222,7 @@ impl<const W: usize> Lanes<'_, W> {
     fn conjugate_gradients(
         &mut self,
         transport: &Transport,
-        start: Option<[Vec<[f64; W]>; 2]>,
+        start: Option<[Cow<'_, [[f64; W]]>; 2]>,
         tolerance: f64,
     ) -> (Vec<[f64; W]>, usize) {
         let weight: Vec<[f64; W]> = self
@@ -230,7 +232,7 @@ impl<const W: usize> Lanes<'_, W> {
             .map(|(row, area)| row.map(|r| if r > BLACK { area / r } else { 0.0 }))
             .collect();
         let mut residual: Vec<[f64; W]> =
-            self.reflectance.iter().zip(&self.lit).map(|(r, h)| each(|i| r[i] * h[i])).collect();
+            self.reflectance.iter().zip(&*self.lit).map(|(r, h)| each(|i| r[i] * h[i])).collect();
         let length_of = |rows: &[[f64; W]]| {
             rows.iter().zip(&weight).fold([0.0; W], |sum, (r, w)| each(|i| sum[i] + r[i] * r[i] * w[i]))
         };
@@ -239,10 +241,11 @@ impl<const W: usize> Lanes<'_, W> {
         let goals: [f64; W] = each(|i| (0.1 * tolerance / self.amplification[i]).powi(2) * squared[i]);
         let mut found = vec![[0.0; W]; residual.len()];
         if let Some([x, k]) = start {
-            for (((residual, x), k), rho) in residual.iter_mut().zip(&x).zip(&k).zip(&self.reflectance) {
+            for (((residual, x), k), rho) in residual.iter_mut().zip(&*x).zip(&*k).zip(&*self.reflectance) {
                 *residual = each(|i| residual[i] + rho[i] * k[i] - x[i]);
             }
-            (squared, found) = (length_of(&residual), x);
+            squared = length_of(&residual);
+            found.copy_from_slice(&x);
         }
         let mut direction = residual.clone();
         let mut image = vec![[0.0; W]; residual.len()];
@@ -252,7 +255,7 @@ impl<const W: usize> Lanes<'_, W> {
             }
             transport.apply_rows(&direction, &mut image, self.buffer);
             let mut curvature = [0.0; W];
-            for (((k, d), r), w) in image.iter_mut().zip(&direction).zip(&self.reflectance).zip(&weight) {
+            for (((k, d), r), w) in image.iter_mut().zip(&direction).zip(&*self.reflectance).zip(&weight) {
                 *k = each(|i| d[i] - r[i] * k[i]);
                 curvature = each(|i| curvature[i] + d[i] * k[i] * w[i]);
             }

@@ -133,7 +133,7 @@ mod tests {
     use super::{Basis, Leaves};
     use crate::radiosity::majorant::tests::{LEAVES, number, transport};
     use crate::radiosity::solve::System;
-    use crate::radiosity::transport::{Buffer, Transport};
+    use crate::radiosity::transport::{Buffer, Buffers, Transport};
 
     /// The reflectances of two kinds of leaves.
     type Pair = [f64; 2];
@@ -152,7 +152,6 @@ mod tests {
             transport,
             width: pairs.len(),
             reflectance: (0..LEAVES).flat_map(rows).collect(),
-            direct: Vec::new(),
             lit: light().iter().flat_map(|h| vec![*h; pairs.len()]).collect(),
             largest_sum: 1.0,
         }
@@ -168,12 +167,12 @@ mod tests {
     fn combinations_are_near_what_has_not_been_solved_for() {
         let (transport, mut buffer) = (transport(), Buffer::default());
         let known: [Pair; 4] = [[0.2, 0.8], [0.4, 0.7], [0.6, 0.5], [0.8, 0.2]];
-        let solved = system(&transport, &known).solve(1e-13, &mut buffer);
+        let solved = system(&transport, &known).solve(1e-13, &Buffers::default());
         let (kinds, light) = (kinds(), light());
         let basis = Basis::new(&solved, Leaves { areas: &transport.areas, kind: &kinds, kinds: 2 }, &[&light]);
         let of_one = |one: usize| solved.reflected.iter().skip(one).step_by(known.len());
         for pair in [[0.5, 0.6], [0.7, 0.4], known[1]] {
-            let exact = system(&transport, &[pair]).solve(1e-13, &mut buffer).reflected;
+            let exact = system(&transport, &[pair]).solve(1e-13, &Buffers::default()).reflected;
             let [found, irradiance] = basis.combined(&[basis.factors(&pair, 0)]);
             let size = largest(exact.iter().copied());
             for one in 0..known.len() {
@@ -199,8 +198,8 @@ mod tests {
     /// A kind that reflects nothing isn't near to solutions where it does.
     #[test]
     fn black_starts_from_nothing() {
-        let (transport, mut buffer) = (transport(), Buffer::default());
-        let solved = system(&transport, &[[0.5, 0.5], [0.2, 0.7]]).solve(1e-13, &mut buffer);
+        let transport = transport();
+        let solved = system(&transport, &[[0.5, 0.5], [0.2, 0.7]]).solve(1e-13, &Buffers::default());
         let (kinds, light) = (kinds(), light());
         let basis = Basis::new(&solved, Leaves { areas: &transport.areas, kind: &kinds, kinds: 2 }, &[&light]);
         assert_eq!(basis.factors(&[0.5, 0.0], 0), [0.0; 2]);

@@ -6,32 +6,79 @@ use super::coupled::Coupled;
 use super::representation::{self, Representation};
 use super::solution::{Lights, Solution};
 use super::solve::{Solved, System};
-use super::transport::Buffer;
+use super::transport::{Buffer, Buffers};
 use super::{Radiosity, RadiosityError, Report, mesh};
 
 /// Components that are solved for together.
 const BLOCK: usize = 32;
 
-/// A solution with what its residual and balance are made of, row by row.
-pub(super) struct Judged<'j> {
-    pub(super) width: usize,
+/// What one component has at one leaf.
+pub(super) struct Part {
     /// Radiosity that is sent out, and irradiance from lights without area.
-    pub(super) emitted: &'j [f64],
-    pub(super) direct: &'j [f64],
-    /// All irradiance, and what is reflected of it.
-    pub(super) arriving: Vec<f64>,
-    pub(super) leaving: Vec<f64>,
-    pub(super) solved: &'j Solved,
-    pub(super) amplification: Vec<f64>,
+    pub(super) emitted: f64,
+    pub(super) direct: f64,
+    /// All irradiance, what is reflected of it, and what was solved for.
+    pub(super) arriving: f64,
+    pub(super) leaving: f64,
+    pub(super) reflected: f64,
 }
 
-impl<'j> Judged<'j> {
-    /// The solution of a system.
-    pub(super) fn new(system: &'j System<'_>, emitted: &'j [f64], solved: &'j Solved) -> Self {
-        let arriving: Vec<f64> = solved.irradiance.iter().zip(&system.lit).map(|(k, h)| k + h).collect();
-        let leaving = arriving.iter().zip(&system.reflectance).map(|(h, r)| h * r).collect();
-        let amplification = system.amplification();
-        Self { width: system.width, emitted, direct: &system.direct, arriving, leaving, solved, amplification }
+/// What residual and balance of a solution say, component by component.
+pub(super) struct Judgement {
+    components: Vec<Component>,
+    steps: usize,
+}
+
+#[derive(Clone, Copy, Default)]
+struct Component {
+    sent: f64,
+    kept: f64,
+    largest: f64,
+    residual: f64,
+    amplification: f64,
+}
+
+impl Judgement {
+    /// From the areas of all leaves with what they see of patches, ΣF.
+    pub(super) fn new(
+        leaves: (&[f64], &[f64]),
+        solved: &Solved,
+        amplification: &[f64],
+        part: impl Fn(usize, usize) -> Part,
+    ) -> Self {
+        let known = solved.residual.iter().zip(amplification);
+        let component = |(residual, amplification): (&f64, &f64)| Component {
+            residual: *residual,
+            amplification: *amplification,
+            ..Component::default()
+        };
+        let mut components: Vec<Component> = known.map(component).collect();
+        for (leaf, (area, sum)) in leaves.0.iter().zip(leaves.1).enumerate() {
+            for (index, component) in components.iter_mut().enumerate() {
+                let Part { emitted, direct, arriving, leaving, reflected } = part(leaf, index);
+                component.sent += area * (emitted + direct);
+                component.kept += area * (arriving - leaving + (emitted + reflected) * (1.0 - sum));
+                component.largest = component.largest.max(reflected.abs());
+            }
+        }
+        Self { components, steps: solved.steps }
+    }
+
+    /// Notes what is worst.
+    pub(super) fn note(&self, report: &mut Report) {
+        report.iterations = report.iterations.max(self.steps);
+        for component in self.components.iter().filter(|component| component.largest > 0.0) {
+            let Component { sent, kept, largest, residual, amplification } = component;
+            let residual = residual / largest;
+            report.residual = report.residual.max(residual);
+            let bounded = *amplification > 1.0 || residual == 0.0;
+            let error = if bounded { residual * amplification } else { f64::INFINITY };
+            report.iteration_error = report.iteration_error.max(error);
+            let balance = if *sent == 0.0 { 0.0 } else { (sent - kept) / sent };
+            if balance.abs() >= report.energy_balance.abs() {
+                report.energy_balance = balance;
+            }
+        }
     }
 }
 
@@ -49,19 +96,22 @@ impl Radiosity {
         let leaves = self.transport.leaves.len();
         let mut reflected = vec![0.0; leaves * width];
         let mut report = Report { intervals: representation.intervals(), ..self.report() };
-        let mut buffer = Buffer::default();
+        let (mut buffer, buffers) = (Buffer::default(), Buffers::default());
         let spectra = Spectra::new(self, representation);
         for first in (0..width).step_by(BLOCK) {
             let block = BLOCK.min(width - first);
-            let (system, emitted) = self.system(&spectra, first, block, &mut buffer);
+            let (system, emitted, direct) = self.system(&spectra, first, block, &mut buffer);
             self.check(&system.reflectance, block)?;
             let solved = match self.settings.bounces {
                 Some(count) => system.bounces(count, &mut buffer),
-                None => system.solve(self.settings.residual, &mut buffer),
+                None => system.solve(self.settings.residual, &buffers),
             };
             // And once for the light sent out.
             report.passes += solved.passes + block;
-            self.judge(&Judged::new(&system, &emitted, &solved), &mut report);
+            self.judge(&solved, &system.amplification(), &mut report, |place| {
+                let arriving = solved.irradiance[place] + system.lit[place];
+                (emitted[place], direct[place], arriving, arriving * system.reflectance[place])
+            });
             for (to, from) in reflected.chunks_mut(width).zip(solved.reflected.chunks(block)) {
                 to[first..first + block].copy_from_slice(from);
             }
@@ -69,8 +119,14 @@ impl Radiosity {
         Ok(self.seen(Solution::new(self, Arc::new(representation), &reflected, report)))
     }
 
-    /// The system for some components, and the radiosity that lights send out.
-    fn system(&self, spectra: &Spectra, first: usize, width: usize, buffer: &mut Buffer) -> (System<'_>, Vec<f64>) {
+    /// The system for some components, with the radiosity that lights send out and the irradiance from those without area.
+    fn system(
+        &self,
+        spectra: &Spectra,
+        first: usize,
+        width: usize,
+        buffer: &mut Buffer,
+    ) -> (System<'_>, Vec<f64>, Vec<f64>) {
         let rows = |of_sides: &[f64]| -> Vec<f64> {
             let side = |leaf: &u32| self.patches.nodes[*leaf as usize].side as usize;
             let row = |leaf: &u32| of_sides[side(leaf) * spectra.width + first..][..width].to_vec();
@@ -84,7 +140,7 @@ impl Radiosity {
         let direct = self.direct(&spectra.lights.sources, spectra.width, first, width);
         lit.iter_mut().zip(&direct).for_each(|(h, d)| *h += d);
         let largest_sum = self.balance.largest;
-        (System { transport: &self.transport, width, reflectance, direct, lit, largest_sum }, emitted)
+        (System { transport: &self.transport, width, reflectance, lit, largest_sum }, emitted, direct)
     }
 
     /// Irradiance of the leaves from lights without area, for some components of these lights' rows of `all`.
@@ -135,11 +191,11 @@ impl Radiosity {
         let arriving: Vec<f64> = solved.irradiance.iter().zip(&system.lit).map(|(k, h)| k + h).collect();
         let leaving = system.reflected(&arriving);
         let amplification = vec![system.amplification(); width];
-        let judged =
-            Judged { width, emitted: &emitted, direct: &direct, arriving, leaving, solved: &solved, amplification };
         let mut report = Report { intervals: representation.intervals(), ..self.report() };
         report.passes = solved.passes + width;
-        self.judge(&judged, &mut report);
+        self.judge(&solved, &amplification, &mut report, |place| {
+            (emitted[place], direct[place], arriving[place], leaving[place])
+        });
         Ok(self.seen(Solution::new(self, Arc::new(representation), &solved.reflected, report)))
     }
 
@@ -152,36 +208,26 @@ impl Radiosity {
         solution
     }
 
-    /// Notes residual and energy balance.
-    pub(super) fn judge(&self, judged: &Judged<'_>, report: &mut Report) {
-        let Judged { width, emitted, direct, arriving, leaving, solved, amplification } = judged;
-        report.iterations = report.iterations.max(solved.steps);
+    /// Notes residual and energy balance, from radiosity that is sent out, irradiance from lights without area, all irradiance and what is reflected
+    /// of that, number by number.
+    fn judge(
+        &self,
+        solved: &Solved,
+        amplification: &[f64],
+        report: &mut Report,
+        numbers: impl Fn(usize) -> (f64, f64, f64, f64),
+    ) {
         if self.settings.bounces.is_some() {
+            report.iterations = report.iterations.max(solved.steps);
             return;
         }
-        let (mut sent, mut kept, mut largest) = (vec![0.0; *width], vec![0.0; *width], vec![0.0_f64; *width]);
-        for (leaf, (area, sum)) in self.transport.areas.iter().zip(&self.sums).enumerate() {
-            for component in 0..*width {
-                let i = leaf * width + component;
-                let (emission, reflected) = (emitted[i], solved.reflected[i]);
-                let absorbed = arriving[i] - leaving[i];
-                sent[component] += area * (emission + direct[i]);
-                kept[component] += area * (absorbed + (emission + reflected) * (1.0 - sum));
-                largest[component] = largest[component].max(reflected.abs());
-            }
-        }
-        for (component, amplification) in amplification.iter().enumerate().filter(|(i, _)| largest[*i] > 0.0) {
-            let residual = solved.residual[component] / largest[component];
-            report.residual = report.residual.max(residual);
-            let bounded = *amplification > 1.0 || residual == 0.0;
-            let error = if bounded { residual * amplification } else { f64::INFINITY };
-            report.iteration_error = report.iteration_error.max(error);
-            let (sent, kept) = (sent[component], kept[component]);
-            let balance = if sent == 0.0 { 0.0 } else { (sent - kept) / sent };
-            if balance.abs() >= report.energy_balance.abs() {
-                report.energy_balance = balance;
-            }
-        }
+        let width = amplification.len();
+        let part = |leaf: usize, component: usize| {
+            let place = leaf * width + component;
+            let (emitted, direct, arriving, leaving) = numbers(place);
+            Part { emitted, direct, arriving, leaving, reflected: solved.reflected[place] }
+        };
+        Judgement::new((&self.transport.areas, &self.sums), solved, amplification, part).note(report);
     }
 }
 

@@ -1,5 +1,7 @@
 //! The transport operator: light from patches to patches over links between the levels of their trees.
 
+use std::sync::{Mutex, PoisonError};
+
 use rayon::prelude::*;
 
 use super::cluster::Cluster;
@@ -318,4 +320,19 @@ impl Transport {
 pub(super) struct Buffer {
     radiosity: Vec<f64>,
     irradiance: Vec<f64>,
+}
+
+/// Buffers for tasks that follow each other: room that is new has to be cleared by the system first, which takes as long as a pass.
+#[derive(Debug, Default)]
+pub(super) struct Buffers(Mutex<Vec<Buffer>>);
+
+impl Buffers {
+    /// Does something with a buffer that nobody else has meanwhile.
+    pub(super) fn lend<T>(&self, what: impl FnOnce(&mut Buffer) -> T) -> T {
+        let all = || self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut buffer = all().pop().unwrap_or_default();
+        let result = what(&mut buffer);
+        all().push(buffer);
+        result
+    }
 }
