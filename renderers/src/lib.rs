@@ -21,5 +21,6 @@ pub mod render;
 pub mod report;
 pub mod scene;
 pub mod spectral;
+pub mod trade;
 pub mod verify;
 pub mod whitted;

@@ -11,6 +11,7 @@ mod photons;
 mod relight;
 mod render;
 mod scene;
+mod trade;
 mod verify;
 
 use std::io::Write as _;
@@ -51,6 +52,8 @@ enum Command {
     Scene(scene::Arguments),
     /// Analytic test cases for illuminance: judge this project, or write them for other programs and judge those.
     Verify(verify::Arguments),
+    /// What accuracy costs: speed-error curves of all methods, and how far their input may go.
+    Trade(trade::Arguments),
 }
 
 /// Bad input, in one line.
@@ -134,6 +137,7 @@ fn dispatch(arguments: Arguments) -> Result<(Answer, ExitCode), Failure> {
     }
     let answer = match arguments.command {
         Command::Verify(verify) => return verify.run(),
+        Command::Trade(trade) => return trade.run(),
         Command::Render(render) => render.run(),
         Command::Compare(compare) => compare.run(),
         Command::Relight(relight) => relight.run(),
@@ -160,7 +164,7 @@ mod tests {
         for (arguments, expected) in [
             (
                 &[][..],
-                "'spectral' requires a subcommand but one was not provided [subcommands: render, compare, relight, light, brdf, illuminance, scene, verify, help]",
+                "'spectral' requires a subcommand but one was not provided [subcommands: render, compare, relight, light, brdf, illuminance, scene, verify, trade, help]",
             ),
             (
                 &["render", "--sise", "4x4"],

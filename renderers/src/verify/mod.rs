@@ -44,7 +44,7 @@ mod elementary;
 mod export;
 pub mod mitsuba;
 mod model;
-mod oracle;
+pub(crate) mod oracle;
 pub mod radiance;
 mod reflection;
 mod rooms;
