@@ -163,6 +163,7 @@ fn curve(family: &Family, name: &str, plan: &Plan, record: &Record) -> Curve {
         error: plan.error.to_owned(),
         operations: plan.operations.to_owned(),
         truth: plan.truth.clone(),
+        floor: plan.floor,
         rounds: record.rounds,
         points: record.settings().iter().map(point).collect(),
         agreement: super::Agreement::default(),

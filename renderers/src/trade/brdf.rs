@@ -59,6 +59,7 @@ fn plan(name: &'static str, variant: Variant, alpha: [f64; 2], about: &str, quic
         error: "relative error, RMS",
         operations: "samples",
         truth: "adaptive quadrature to 1e-9 of the albedo".to_owned(),
+        floor: 1e-9,
         rounds: if quick { 5 } else { 15 },
         weight: if quick { 2.0 } else { 15.0 },
         build: Box::new(move || {

@@ -28,25 +28,27 @@ fn front(curve: &Curve) -> String {
 fn simpler(curve: &Curve) -> Option<String> {
     let front = curve.front(true);
     let others: Vec<&&Point> = front.iter().filter(|p| !p.own).collect();
-    let (first, last) = (others.first()?, others.last()?);
-    let names: Vec<&str> = {
-        let mut names: Vec<&str> = others.iter().map(|p| p.method.as_str()).collect();
-        names.dedup();
-        names
-    };
-    let best_own = curve.points.iter().filter(|p| p.own && p.error <= last.error).map(|p| p.seconds);
-    let best_own = best_own.fold(f64::INFINITY, f64::min);
+    let last = others.last()?;
+    let mut names: Vec<&str> = Vec::new();
+    for point in &others {
+        if !names.contains(&point.method.as_str()) {
+            names.push(&point.method);
+        }
+    }
+    let reaches = |p: &&Point| p.own && p.error.max(curve.floor) <= last.error.max(curve.floor);
+    let best_own = curve.points.iter().filter(reaches).map(|p| p.seconds).fold(f64::INFINITY, f64::min);
     let compared = if best_own.is_finite() {
-        format!("; what is this project's own takes {:.1} times as long for that error", best_own / last.seconds)
+        format!("this project's own takes {:.1} times as long for that", best_own / last.seconds)
     } else {
-        "; nothing of this project's own is as accurate".to_owned()
+        "nothing of this project's own is as accurate".to_owned()
     };
     Some(format!(
-        "A simpler method wins from {} to {} s: {} (errors {} to {}){compared}.",
-        figure(first.seconds),
-        figure(last.seconds),
+        "Simpler methods win at {} of the {} settings on the front: {}; the most accurate of these is {} ({} s, {}), and {compared}.",
+        others.len(),
+        front.len(),
         names.join(", "),
-        figure(first.error),
+        last.setting,
+        figure(last.seconds),
         figure(last.error),
     ))
 }

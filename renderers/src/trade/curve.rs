@@ -42,6 +42,8 @@ pub struct Curve {
     pub operations: String,
     /// What errors are taken against, and how certain that is.
     pub truth: String,
+    /// Errors below this count as none: truth itself is no surer.
+    pub floor: f64,
     /// How often every setting was run.
     pub rounds: usize,
     /// All settings.
@@ -108,14 +110,16 @@ fn compare(a: f64, b: f64) -> core::cmp::Ordering {
 impl Curve {
     /// Finds fronts, agreement and budgets anew from the points.
     pub(super) fn judge(&mut self) {
-        let pairs = |cost: fn(&Point) -> f64| self.points.iter().map(|p| [cost(p), p.error]).collect::<Vec<_>>();
+        let floor = self.floor;
+        let pairs =
+            |cost: fn(&Point) -> f64| self.points.iter().map(|p| [cost(p), p.error.max(floor)]).collect::<Vec<_>>();
         let seconds = pareto_front(&pairs(|p| p.seconds));
         let operations = pareto_front(&pairs(|p| p.operations));
         for ((point, seconds), operations) in self.points.iter_mut().zip(seconds).zip(operations) {
             (point.front_seconds, point.front_operations) = (seconds, operations);
         }
         self.agreement = agreement(&self.points);
-        self.budgets = budgets(&self.points);
+        self.budgets = budgets(&self.points, floor);
     }
 
     /// The settings on the front by time, or by counted work, from the cheapest on.
@@ -157,13 +161,14 @@ fn agreement(points: &[Point]) -> Agreement {
     found
 }
 
-/// Errors of 1, 2 and 5 times powers of ten between the least and the largest one, and who keeps them.
-fn budgets(points: &[Point]) -> Vec<Budget> {
+/// Errors of 1, 2 and 5 times powers of ten between the least that is known and the largest one, and who keeps them.
+fn budgets(points: &[Point], floor: f64) -> Vec<Budget> {
     let mut found: Vec<Budget> = Vec::new();
     for decade in (-18..=6).rev() {
         for factor in [5.0, 2.0, 1.0] {
             let error = factor * 10.0_f64.powi(decade);
-            if points.iter().any(|p| p.error > error)
+            if error >= floor
+                && points.iter().any(|p| p.error > error)
                 && let Some(budget) = budget(points, error)
                 && found.last().is_none_or(|last| {
                     (&last.by_seconds, &last.by_operations) != (&budget.by_seconds, &budget.by_operations)

@@ -91,6 +91,7 @@ fn plan(
         error: "relative error, RMS",
         operations: "points of the light",
         truth: truth.to_owned(),
+        floor: 1e-12,
         rounds: if quick { 5 } else { 15 },
         weight: if quick { 1.5 } else { 20.0 },
         build: Box::new(move || Ok(settings(&Rc::new(scene()?), quick))),
@@ -161,7 +162,7 @@ fn settings(scene: &Rc<Scene>, quick: bool) -> Vec<Setting> {
         (Method::EqualAreaHexagon, "equal-area hexagon", true),
     ] {
         // Two depths of triangles are one level.
-        let differs = |depth: &&u32| own_levels(method) || **depth % 2 == 0 || **depth == 1;
+        let differs = |depth: &&u32| own_levels(method) || depth.is_multiple_of(2) || **depth == 1;
         for depth in depths.iter().filter(differs) {
             all.push(by_parts(scene, name, own, (method, *depth, false)));
         }

@@ -26,8 +26,9 @@ pub(super) fn plans(quick: bool) -> Vec<Plan> {
             "{paths} paths a pixel with other random numbers: its own mean ΔE00 is that of the most paths shown, times the root of the \
              ratio of their numbers"
         ),
+        floor: 0.05,
         rounds: if quick { 2 } else { 5 },
-        weight: if quick { 8.0 } else { 240.0 },
+        weight: if quick { 10.0 } else { 300.0 },
         build: Box::new(move || {
             let scene = Rc::new(all_light()?);
             let seeded = Options { seed: Some(977), ..path(paths) };

@@ -31,6 +31,7 @@ pub(super) fn plan(quick: bool) -> Plan {
         error: "error over the mean, RMS",
         operations: "rays and cut polygons",
         truth: "closed form of the part of the rectangle that is seen".to_owned(),
+        floor: 1e-12,
         rounds: if quick { 5 } else { 15 },
         weight: if quick { 2.0 } else { 20.0 },
         build: Box::new(move || {
@@ -129,8 +130,7 @@ fn shadow_rays(
                 };
                 Some((0..rays).map(ray).sum::<f64>() / f64::from(rays) / PI)
             };
-            let mut place = place;
-            places.iter().map(|p| place(p)).collect::<Option<Vec<f64>>>()
+            places.iter().map(place).collect::<Option<Vec<f64>>>()
         });
         let found = found.ok_or("a place is not on the floor")?;
         Ok(judged(&found, &places, seconds, f64::from(rays) * count(places.len())))

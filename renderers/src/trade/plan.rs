@@ -50,6 +50,8 @@ pub(super) struct Plan {
     /// What is counted.
     pub(super) operations: &'static str,
     pub(super) truth: String,
+    /// Errors below this count as none: truth itself is no surer.
+    pub(super) floor: f64,
     pub(super) rounds: usize,
     /// About how many seconds it all takes, for telling the time left.
     pub(super) weight: f64,

@@ -57,7 +57,7 @@ impl LogAxes {
         }
         canvas.lines(&[[left, top], [left, top + height], [left + width, top + height]], 1.6, INK);
         canvas.text(titles[0], [left + 0.5 * width, top + height + 3.6 * text], text, Anchor::Middle, INK);
-        canvas.text_upwards(titles[1], [left - 4.6 * text, top + 0.5 * height], text, Anchor::Middle, INK);
+        canvas.text_upwards(titles[1], [left - 5.6 * text, top + 0.5 * height], text, Anchor::Middle, INK);
     }
 }
 
@@ -108,8 +108,11 @@ fn legend_height(curve: &Curve) -> f32 {
     26.0 * float((methods(curve).len() + 1).div_ceil(4)) + 12.0
 }
 
+/// Where a panel is, the title of its costs, the costs, and who is on its front.
+type Side<'t> = (f32, &'t str, fn(&Point) -> f64, fn(&Point) -> bool);
+
 fn row(canvas: &mut Canvas, top: f32, curve: &Curve) {
-    canvas.text(&format!("{}: {}", curve.name, curve.title), [40.0, top + 34.0], 17.0, Anchor::Start, INK);
+    canvas.text(&plain(&format!("{}: {}", curve.name, curve.title)), [40.0, top + 34.0], 16.0, Anchor::Start, INK);
     let methods = methods(curve);
     let place = |index: usize| [110.0 + 375.0 * float(index % 4), top + HEADING + 14.0 + 26.0 * float(index / 4)];
     for (index, (name, own)) in methods.iter().enumerate() {
@@ -118,15 +121,15 @@ fn row(canvas: &mut Canvas, top: f32, curve: &Curve) {
     }
     legend(canvas, place(methods.len()), ("Pareto front", TEXT), INK);
     let start = top + HEADING + legend_height(curve);
-    let panels: [(f32, &str, fn(&Point) -> f64, fn(&Point) -> bool); 2] = [
-        (110.0, "seconds", |p| p.seconds, |p| p.front_seconds),
-        (920.0, curve.operations.as_str(), |p| p.operations, |p| p.front_operations),
+    let panels: [Side<'_>; 2] = [
+        (120.0, "seconds", |p| p.seconds, |p| p.front_seconds),
+        (940.0, curve.operations.as_str(), |p| p.operations, |p| p.front_operations),
     ];
     for (left, title, cost, on_front) in panels {
-        let shown = |p: &Point| [cost(p).clamp(1e-300, 1e300), p.error.clamp(LEAST, 1e300)];
+        let shown = |p: &Point| [cost(p).clamp(1e-300, 1e300), p.error.clamp(curve.floor.max(LEAST), 1e300)];
         let x = limits(curve.points.iter().map(|p| shown(p)[0]), 1.6);
         let y = limits(curve.points.iter().map(|p| shown(p)[1]), 1.8);
-        let axes = LogAxes::new([left, start, 660.0, PANEL], x, y);
+        let axes = LogAxes::new([left, start, 640.0, PANEL], x, y);
         axes.draw(canvas, [title, &curve.error]);
         panel(canvas, &axes, curve, &methods, (&shown, &on_front));
     }
@@ -205,13 +208,13 @@ fn sweep_panel(canvas: &mut Canvas, [left, top]: [f32; 2], group: &[Sweep]) {
     let x = limits(points().map(|p| p[0]), 1.0);
     let tolerances = group.iter().filter_map(|s| s.domain.as_ref().map(|d| d.tolerance));
     let y = limits(points().map(|p| drawn(p[1])).chain(tolerances), 3.0);
-    let axes = LogAxes::new([left + 96.0, top + 70.0, SWEEP[0] - 120.0, SWEEP[1] - 150.0], x, y);
+    let axes = LogAxes::new([left + 112.0, top + 70.0, SWEEP[0] - 140.0, SWEEP[1] - 150.0], x, y);
     if let Some(domain) = &first.domain {
         let [from, to] = domain.range.map(|v| axes.point([v.clamp(x[0], x[1]), y[1]]));
         canvas.rectangle([from[0], from[1], to[0] - from[0], SWEEP[1] - 150.0], SHADE);
     }
-    axes.draw(canvas, [&first.axis, &first.error]);
-    canvas.text(&first.name, [left + 40.0, top + 28.0], TEXT, Anchor::Start, INK);
+    axes.draw(canvas, [&plain(&first.axis), &plain(&first.error)]);
+    canvas.text(&plain(&first.name), [left + 30.0, top + 28.0], 11.5, Anchor::Start, INK);
     for (index, sweep) in group.iter().enumerate() {
         let colour = COLOURS[index % COLOURS.len()];
         let at = [left + 100.0 + 150.0 * float(index), top + 50.0];
@@ -233,4 +236,9 @@ fn float(count: usize) -> f32 {
 #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "pixels, positive and few")]
 fn whole(pixels: f32) -> usize {
     pixels.ceil() as usize
+}
+
+/// A text in letters that charts have.
+fn plain(text: &str) -> String {
+    text.replace('α', "alpha").replace('ρ', "rho").replace('−', "-")
 }

@@ -27,6 +27,7 @@ pub(super) fn plans(quick: bool) -> Vec<Plan> {
         error,
         operations: "bytes of numbers touched",
         truth: truth.to_owned(),
+        floor: 1e-15,
         rounds: if quick { 5 } else { 15 },
         weight: if quick { 1.0 } else { 12.0 },
         build,
@@ -125,7 +126,7 @@ struct Patches {
 
 impl Patches {
     fn new() -> Result<Self, String> {
-        let pixels = Pixels::of_patches(lamp("FL11", 1.0)?, 1)?;
+        let pixels = Pixels::of_patches(lamp("FL11", 1.0)?, 1, 1)?;
         // The lamp is the first leaf, the patches follow in order. Pixels' weights are taken off again.
         let scale = |radiance: &crate::spectral::Radiance| radiance.terms().first().map_or(1.0, |(_, weight)| *weight);
         let truth = pixels.truth.iter().zip(&pixels.free.1).map(|(xyz, r)| xyz.map(|v| v / scale(r))).collect();

@@ -1,6 +1,6 @@
 //! Pixels as sums of products of spectra, with their colours in truth.
 
-use std::collections::BTreeMap;
+use alloc::collections::BTreeMap;
 
 use spectral_core::spectrum::{Outside, Spectrum as _};
 use spectral_core::tables::{UniformTable, colorchecker, find_light};
@@ -9,7 +9,7 @@ use spectral_core::{Observer, tristimulus};
 use crate::geometry::sampling::SobolSequence;
 use crate::scene::{Emitter, Scene, SpectrumKind, builtin};
 use crate::spectral::{
-    Band, Deferred, FactorOrder, Monomial, Monomials, Palette, Radiance, Role, Tabulated, Tracer, Y_INTEGRAL,
+    Band, Deferred, Factor, FactorOrder, Monomial, Monomials, Palette, Radiance, Role, Tabulated, Tracer, Y_INTEGRAL,
 };
 use crate::verify::oracle::gauss_legendre;
 use crate::whitted::{Whitted, Worker};
@@ -72,6 +72,16 @@ pub(super) fn scene_under(name: &str, light: Option<&Tabulated>) -> Result<Scene
     Ok(scene)
 }
 
+/// The `ColorChecker`'s patches as leaves of a palette.
+fn patches(palette: &mut Palette) -> Vec<Factor> {
+    let patch = |table: &&UniformTable| {
+        let spectrum = table.spectrum::<f64>(Outside::Hold);
+        palette.leaf(Tabulated::sampled(|w| spectrum.value(w)), 1.0, Role::Reflectance)
+    };
+    let all: Vec<&UniformTable> = colorchecker::ALL.iter().collect();
+    all.iter().map(patch).collect()
+}
+
 impl Pixels {
     /// Direct light in a picture of a scene, one camera ray through the middle of each of side × side pixels.
     pub(super) fn of_scene(scene: &Scene, side: u32) -> Result<Self, String> {
@@ -92,17 +102,12 @@ impl Pixels {
         Self::new(palette, free, kept)
     }
 
-    /// Light of a lamp that `reflections` of the `ColorChecker`'s patches reflected, one after the other: all of them, or pairs.
-    pub(super) fn of_patches(light: Tabulated, reflections: u32) -> Result<Self, String> {
+    /// Light of a lamp that one of the `ColorChecker`'s patches reflected, or two of them one after the other, all of them, each at some
+    /// brightnesses.
+    pub(super) fn of_patches(light: Tabulated, reflections: u32, brightnesses: u32) -> Result<Self, String> {
         let mut palette = Palette::default();
         let light = palette.leaf(light, 1.0, Role::Light);
-        let patches: Vec<_> = colorchecker::ALL
-            .iter()
-            .map(|table| {
-                let spectrum = table.spectrum::<f64>(Outside::Hold);
-                palette.leaf(Tabulated::sampled(|w| spectrum.value(w)), 1.0, Role::Reflectance)
-            })
-            .collect();
+        let patches = patches(&mut palette);
         let rows = |order: FactorOrder| {
             let (mut monomials, mut radiances) = (Monomials::new(order), Vec::new());
             for (i, near) in patches.iter().enumerate() {
@@ -112,11 +117,38 @@ impl Pixels {
                         product = monomials.times(product.0, product.1, *far);
                     }
                     product = monomials.times(product.0, product.1, light);
-                    let mut radiance = Radiance::default();
                     // Every pixel has another brightness.
-                    radiance.add(product.0, product.1 * [0.9, 0.35, 0.6, 0.2, 0.75][(i + radiances.len()) % 5]);
-                    radiances.push(radiance);
+                    for k in 0..brightnesses {
+                        let mut radiance = Radiance::default();
+                        let part = [0.9, 0.35, 0.6, 0.2, 0.75][(i + radiances.len()) % 5];
+                        radiance
+                            .add(product.0, product.1 * part * (1.0 - 0.9 * f64::from(k) / f64::from(brightnesses)));
+                        radiances.push(radiance);
+                    }
                 }
+            }
+            (monomials, radiances)
+        };
+        let (free, kept) = (rows(FactorOrder::Free), rows(FactorOrder::Kept));
+        Self::new(palette, free, kept)
+    }
+
+    /// Light of two lamps, mixed in another way in each pixel, that one of the `ColorChecker`'s patches reflected.
+    pub(super) fn of_mixtures(lamps: [Tabulated; 2], mixtures: u32) -> Result<Self, String> {
+        let mut palette = Palette::default();
+        let lamps = lamps.map(|lamp| palette.leaf(lamp, 1.0, Role::Light));
+        let patches = patches(&mut palette);
+        let rows = |order: FactorOrder| {
+            let (mut monomials, mut radiances) = (Monomials::new(order), Vec::new());
+            for (patch, k) in patches.iter().flat_map(|patch| (0..mixtures).map(move |k| (patch, k))) {
+                let share = (f64::from(k) + 0.5) / f64::from(mixtures);
+                let mut radiance = Radiance::default();
+                for (lamp, share) in lamps.iter().zip([share, 1.0 - share]) {
+                    let (product, weight) = monomials.times(Monomial::default(), 0.8 * share, *patch);
+                    let (product, weight) = monomials.times(product, weight, *lamp);
+                    radiance.add(product, weight);
+                }
+                radiances.push(radiance);
             }
             (monomials, radiances)
         };

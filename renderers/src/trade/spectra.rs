@@ -1,8 +1,7 @@
 //! Representations of spectra: what a pixel's colour costs by each, and how far off it is.
 
+use alloc::collections::BTreeMap;
 use alloc::rc::Rc;
-use core::cell::OnceCell;
-use std::collections::BTreeMap;
 
 use spectral_core::adaptive::Mode;
 use spectral_core::bilinear::Tensor;
@@ -44,8 +43,14 @@ pub(super) fn plans(quick: bool) -> Vec<Plan> {
         })
         .collect();
     for (name, light) in [("twice-d65", "D65"), ("twice-fl11", "FL11")] {
-        let title = format!("{light} reflected by two patches of the ColorChecker, all 576 pairs");
-        all.push(plan(name, title, quick, move || Pixels::of_patches(lamp(light, 1.0)?, 2)));
+        let title = format!("{light} reflected by two patches of the ColorChecker, all 576 pairs at 16 brightnesses");
+        all.push(plan(name, title, quick, move || Pixels::of_patches(lamp(light, 1.0)?, 2, 16)));
+    }
+    let title = "FL11 and sodium light in 100 mixtures, each reflected by 24 patches of the ColorChecker".to_owned();
+    let lamps = || Ok::<_, String>([lamp("FL11", 1.0)?, lamp("HP1", 1.0)?]);
+    all.push(plan("two-lamps", title, quick, move || Pixels::of_mixtures(lamps()?, 100)));
+    if quick {
+        all.retain(|plan| plan.name != "twice-d65");
     }
     all.extend(picture::plans(quick));
     all
@@ -63,8 +68,9 @@ fn plan(
         error: "mean ΔE*ab",
         operations: "numbers touched",
         truth: "integrals of the products of piecewise linear spectra, exact but for rounding".to_owned(),
-        rounds: if quick { 5 } else { 25 },
-        weight: if quick { 2.0 } else { 25.0 },
+        floor: 1e-6,
+        rounds: if quick { 3 } else { 9 },
+        weight: if quick { 3.0 } else { 25.0 },
         build: Box::new(move || {
             let pixels = Rc::new(pixels()?);
             let setting = |spectra: &Spectra| setting(*spectra, &pixels);
@@ -108,16 +114,17 @@ pub(super) fn naming(spectra: Spectra) -> (String, &'static str, bool) {
 fn setting(spectra: Spectra, pixels: &Rc<Pixels>) -> Setting {
     let (name, method, own) = naming(spectra);
     let pixels = Rc::clone(pixels);
-    let known: OnceCell<[f64; 3]> = OnceCell::new();
+    let mut known: Option<[f64; 3]> = None;
     Setting::new(name, method, own, move |_| {
         let (colours, seconds) = colours(spectra, &pixels)?;
         // Results are the same to the bit in all rounds.
-        let [operations, error, worst] = *known.get_or_init(|| {
+        if known.is_none() {
             let lab = |xyz: [f64; 3]| xyz_to_lab(xyz, WHITE);
             let errors = colours.iter().zip(&pixels.truth).map(|(c, t)| delta_e_ab(lab(c.xyz), lab(*t)));
             let [mean, worst] = mean_and_worst(errors);
-            [operations(spectra, &pixels, &colours), mean, worst]
-        });
+            known = Some([operations(spectra, &pixels, &colours)?, mean, worst]);
+        }
+        let [operations, error, worst] = known.unwrap_or([f64::NAN; 3]);
         Ok(Run { seconds, operations, error, worst })
     })
 }
@@ -160,12 +167,22 @@ const INTERVAL_NUMBERS: [usize; 2] = [4, 15];
 /// Numbers of a colour that is read from a recorded subdivision: XYZ, their radii, the bound.
 const LOOK_UP: usize = 7;
 
+/// How much brighter than white the subdivisions of single products are recorded for.
+const BRIGHTEST: f64 = 63.0;
+
+/// The numbers that finding `n` intervals touches: 2n − 1 of them are evaluated, each with its terms, and after every split the pieces'
+/// sum and its bound are taken again.
+fn interval_numbers(n: usize, mode: Mode, terms: usize) -> usize {
+    let numbers = INTERVAL_NUMBERS[usize::from(mode == Mode::Certified)];
+    (2 * n.max(1) - 1) * numbers * terms + 7 * n * (n + 1) / 2 + 24 * n
+}
+
 /// Counts the numbers that the colours of all pixels are made from.
 ///
 /// A term of three components touches three, and each pixel nine of the matrix to XYZ; bins touch one for each bin, factor and term, and
-/// three times the bins for XYZ. Intervals: n of them are found by evaluating 2n − 1, with the numbers of an interval for each term, but a
-/// single product is read from its recorded subdivision, which is made once.
-fn operations(spectra: Spectra, pixels: &Pixels, colours: &[Colour]) -> f64 {
+/// three times the bins for XYZ. Intervals: see [`interval_numbers`], but a single product is read from its recorded subdivision, which is
+/// made once, for the brightest pixel that there may be.
+fn operations(spectra: Spectra, pixels: &Pixels, colours: &[Colour]) -> Result<f64, String> {
     let (monomials, radiances) = &pixels.free;
     let factors = |radiance: &Radiance| radiance.terms().iter().map(|(m, _)| monomials.leaves(*m).len()).sum::<usize>();
     let own = |radiance: &Radiance| match spectra {
@@ -173,22 +190,27 @@ fn operations(spectra: Spectra, pixels: &Pixels, colours: &[Colour]) -> f64 {
         Spectra::Smits => 10 * (factors(radiance) + 3),
         _ => 3 * radiance.terms().len() + 9,
     };
-    let Spectra::Interval(IntervalSettings { mode, .. }) = spectra else {
-        return count(radiances.iter().map(own).sum());
+    let Spectra::Interval(settings) = spectra else {
+        return Ok(count(radiances.iter().map(own).sum()));
     };
-    let numbers = INTERVAL_NUMBERS[usize::from(mode == Mode::Certified)];
-    let mut recorded: BTreeMap<usize, usize> = BTreeMap::new();
+    let mut recorded: BTreeMap<usize, Radiance> = BTreeMap::new();
     let mut sum = 0;
     for (radiance, colour) in radiances.iter().zip(colours) {
         match radiance.terms() {
-            [(monomial, _)] => {
-                let made = (2 * colour.intervals.max(1) - 1) * numbers * monomials.leaves(*monomial).len();
-                let most = recorded.entry(monomial.index()).or_default();
-                *most = made.max(*most);
+            [(monomial, weight)] => {
+                let mut brightest = Radiance::default();
+                brightest.add(*monomial, weight * BRIGHTEST / colour.xyz[1].max(f64::MIN_POSITIVE));
+                recorded.entry(monomial.index()).or_insert(brightest);
                 sum += LOOK_UP;
             }
-            terms => sum += (2 * colour.intervals.max(1) - 1) * numbers * terms.len(),
+            terms => sum += interval_numbers(colour.intervals, settings.mode, terms.len()),
         }
     }
-    count(sum + recorded.values().sum::<usize>())
+    let mut memory = IntervalMemory::default();
+    let shared = SharedIntervals::new(&pixels.palette, settings, &mut memory)?;
+    let recorded: Vec<Radiance> = recorded.into_values().collect();
+    for (colour, radiance) in resolve(&mut Intervals::new(&shared), monomials, &recorded).iter().zip(&recorded) {
+        sum += interval_numbers(colour.intervals, settings.mode, factors(radiance));
+    }
+    Ok(count(sum))
 }

@@ -3,7 +3,7 @@
 //! Each task has a file with the runs of all its settings, round by round, and with a key: the program and what the
 //! task was asked for. A file with another key counts as none.
 
-use std::collections::BTreeMap;
+use alloc::collections::BTreeMap;
 use std::fs;
 use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};

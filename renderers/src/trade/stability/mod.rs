@@ -153,6 +153,7 @@ pub(super) fn measure(
     let key = store.key("sweeps to the extremes");
     let kept: Option<Kept> = store.load(file, &key);
     let mut kept = kept.unwrap_or(Kept { key, parts: Vec::new() });
+    kept.parts.iter_mut().flat_map(|(_, sweeps)| sweeps).for_each(Sweep::judge);
     let mut reused = true;
     for (name, sweeps) in PARTS {
         watch.task(&format!("stability.{name}"));

@@ -45,7 +45,7 @@ fn of<R: Real>(kind: &str, steps: i32) -> Vec<Sweep> {
     let weight = "brdf: the weight of a sample of the balanced model is at most 1, for all angles and any roughness (rounding: 8 ε)";
     let grazing = Sweep::new(
         [
-            "balanced model, largest weight over grazing angles, α = 0.1",
+            "largest weight of samples over grazing angles, α = 0.1",
             kind,
             "height over the horizon (rad)",
             "excess over 1",
@@ -55,7 +55,7 @@ fn of<R: Real>(kind: &str, steps: i32) -> Vec<Sweep> {
         |height| excess::<R>(0.1, height),
     );
     let rough = Sweep::new(
-        ["balanced model, largest weight over roughness, 1° over the horizon", kind, "roughness α", "excess over 1"],
+        ["largest weight of samples over roughness, at 1°", kind, "roughness α", "excess over 1"],
         domain([1e-6, 100.0], 8.0 * epsilon, weight),
         &powers(-8, 3, steps),
         |alpha| excess::<R>(alpha, f64::to_radians(1.0)),
@@ -77,7 +77,7 @@ fn of<R: Real>(kind: &str, steps: i32) -> Vec<Sweep> {
         |height| quadrature(0.1, height).map(|(m, truth)| m.albedo_by_quadrature(view(height)).to_f64() / truth - 1.0),
     );
     let albedo_rough = Sweep::new(
-        ["albedo by quadrature over roughness, 30° over the horizon", kind, "roughness α", "relative error"],
+        ["albedo by quadrature over roughness, at 30°", kind, "roughness α", "relative error"],
         stated([0.01, 1.0], 2e-5, by_rule),
         &powers(-6, 1, steps.min(2)),
         |alpha| {
@@ -93,13 +93,13 @@ fn of<R: Real>(kind: &str, steps: i32) -> Vec<Sweep> {
         |height| quadrature(0.1, height).map(|(m, truth)| m.albedo(view(height)).to_f64() / truth - 1.0),
     );
     let fitted_rough = Sweep::new(
-        ["fitted albedo over roughness, 30° over the horizon", kind, "roughness α", "relative error"],
+        ["fitted albedo over roughness, at 30°", kind, "roughness α", "relative error"],
         domain([1e-6, 1.0], 2e-4, fit),
         &powers(-6, 0, steps.min(2)),
         |alpha| quadrature(alpha, PI / 6.0).map(|(m, truth)| m.albedo(view(PI / 6.0)).to_f64() / truth - 1.0),
     );
     let boundary = Sweep::new(
-        ["reflectance of glass, index 1.5, over grazing angles", kind, "cosine of incidence", "error"],
+        ["reflectance of glass over grazing angles", kind, "cosine of incidence", "error"],
         None,
         &powers(-30, 0, steps),
         |cosine| {

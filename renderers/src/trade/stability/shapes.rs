@@ -1,5 +1,6 @@
 //! Configuration factors over distances, radii and grazing angles.
 
+use disk_sampling::estimate::{Aim, Panel, Request, Response, integrate};
 use disk_sampling::{
     Disk, Receiver, Sphere, disk_configuration_factor, disk_parallel_factor, on_axis_disk_factor,
     polygon_configuration_factor, sphere_configuration_factor,
@@ -61,13 +62,13 @@ fn of<R: Real>(kind: &str, steps: i32) -> Vec<Sweep> {
     );
     let last = if single { 1e5 } else { 1e6 };
     let beside = Sweep::new(
-        ["disk beside its axis over distance (grazing)", kind, "distance from the axis over radius", relative],
+        ["disk beside its axis over distance", kind, "distance from the axis over radius", relative],
         domain([1e-6, last], tolerance, DISK),
         &wide,
         |a| Some(disk_parallel_factor(R::ONE, R::ONE, R::from_f64(a)).to_f64() / parallel(held(a)) - 1.0),
     );
     let tilted = Sweep::new(
-        ["disk over the height of its centre over the horizon", kind, "sine of the height", relative],
+        ["disk over its height over the horizon", kind, "sine of the height", relative],
         domain(
             [1e-6, 1.0],
             tolerance,
@@ -105,7 +106,7 @@ fn of<R: Real>(kind: &str, steps: i32) -> Vec<Sweep> {
         },
     );
     let square = Sweep::new(
-        ["square facing a receiver over the unit of length", kind, "side = distance", relative],
+        ["square over the unit of length", kind, "side = distance", relative],
         domain([1e-30, 1e30], tolerance, POLYGON),
         &wide,
         |s| {
@@ -117,7 +118,7 @@ fn of<R: Real>(kind: &str, steps: i32) -> Vec<Sweep> {
             Some(found / truth - 1.0)
         },
     );
-    vec![axis, formula, scaled, beside, tilted, away, near, square]
+    vec![axis, formula, scaled, beside, tilted, away, near, square, requested::<R>(kind, steps)]
 }
 
 const POLYGON: &str = "polygon_configuration_factor: 1e-12 (f32: 1e-5) whatever its size, distance and tilt";
@@ -133,4 +134,26 @@ fn parallel(a: f64) -> f64 {
     let x = a * a;
     let root = x.hypot(2.0);
     2.0 / (root * (root + x))
+}
+
+/// Light in proportion to the cosine, on the axis at a distance of a radius: ⅔ (1 − 2^−³ᐟ²), to a requested error, over its radiance.
+fn requested<R: Real>(kind: &str, steps: i32) -> Sweep {
+    const ERROR: f64 = 1e-3;
+    let truth = 2.0 / 3.0 * (1.0 - 0.5_f64.powf(1.5));
+    let source = "estimate::integrate: to a requested relative error for any emission that is not negative and finite";
+    Sweep::new(
+        ["disk to a requested error over radiance", kind, "radiance along the axis", "relative error"],
+        domain([1e-30, 1e30], ERROR, source),
+        &powers(-30, 30, steps),
+        |scale| {
+            let disk = Disk::new([R::ZERO, R::ZERO, R::ONE], [R::ZERO, R::ZERO, -R::ONE], R::ONE).ok()?;
+            let receiver = Receiver::new([R::ZERO; 3], [R::ZERO, R::ZERO, R::ONE]).ok()?;
+            let request = Request { relative_error: R::from_f64(ERROR), max_samples: 100_000, strata: 1 };
+            let mut panels = vec![Panel::default(); 64];
+            let emission = R::from_f64(scale);
+            let respond = |aim: &Aim<R>| Response::unoccluded(emission * aim.cosine);
+            let found = integrate(&disk, &receiver, &request, &mut panels, respond).ok()?;
+            Some(found.value.to_f64() / emission.to_f64() / truth - 1.0)
+        },
+    )
 }
