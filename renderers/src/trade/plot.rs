@@ -9,6 +9,7 @@ use crate::image::{Anchor, Canvas, ImageError, Rgb8, Scale, ticks};
 
 /// The height of capitals.
 const TEXT: f32 = 15.0;
+const LEGEND: f32 = 13.0;
 const SMALL: f32 = 11.0;
 /// Apart for dichromats, too: after Okabe and Ito (2008), with a grey.
 const COLOURS: [Rgb8; 8] = [
@@ -45,7 +46,7 @@ impl LogAxes {
         let ([left, top, width, height], text) = (self.axes.frame, TEXT);
         let range = |limits: [f64; 2]| limits.map(|v| 10.0_f64.powf(v));
         let [x, y] = [range(self.axes.x), range(self.axes.y)];
-        for tick in ticks(Scale::Logarithmic, x[0], x[1], 6) {
+        for tick in ticks(Scale::Logarithmic, x[0], x[1], 5) {
             let [at, _] = self.point([tick.value, y[0]]);
             canvas.lines(&[[at, top], [at, top + height]], 1.0, GRID);
             canvas.text(&tick.label, [at, top + height + 1.7 * text], text, Anchor::Middle, INK);
@@ -117,9 +118,9 @@ fn row(canvas: &mut Canvas, top: f32, curve: &Curve) {
     let place = |index: usize| [110.0 + 375.0 * float(index % 4), top + HEADING + 14.0 + 26.0 * float(index / 4)];
     for (index, (name, own)) in methods.iter().enumerate() {
         let words = if *own { (*name).to_owned() } else { format!("{name} (compared)") };
-        legend(canvas, place(index), (&words, TEXT), COLOURS[index % COLOURS.len()]);
+        legend(canvas, place(index), (&words, LEGEND), COLOURS[index % COLOURS.len()]);
     }
-    legend(canvas, place(methods.len()), ("Pareto front", TEXT), INK);
+    legend(canvas, place(methods.len()), ("Pareto front", LEGEND), INK);
     let start = top + HEADING + legend_height(curve);
     let panels: [Side<'_>; 2] = [
         (120.0, "seconds", |p| p.seconds, |p| p.front_seconds),
