@@ -5,7 +5,7 @@ use core::f64::consts::PI;
 
 use spectral_core::brdf::{Brdf as _, Variant, Ward};
 
-use super::plan::{Plan, Random, Run, Setting, count, rms_and_worst, timed};
+use super::plan::{Plan, Random, Run, Setting, count, rms_and_worst, timed_items};
 use crate::brdf::albedo;
 
 /// A way to draw directions.
@@ -60,7 +60,7 @@ fn plan(name: &'static str, variant: Variant, alpha: [f64; 2], about: &str, quic
         operations: "samples",
         truth: "adaptive quadrature to 1e-9 of the albedo".to_owned(),
         floor: 1e-9,
-        rounds: if quick { 5 } else { 15 },
+        rounds: if quick { 3 } else { 9 },
         weight: if quick { 2.0 } else { 15.0 },
         build: Box::new(move || {
             let cases = Rc::new(cases(variant, alpha)?);
@@ -101,16 +101,17 @@ fn sampling(cases: &Rc<Vec<Case>>, way: Way, name: &'static str, own: bool, samp
     let cases = Rc::clone(cases);
     Setting::new(format!("{name} × {samples}"), name, own, move |round| {
         let mut random = Random::new(u64::from(samples) << 8 | way as u64, round);
-        let (found, seconds) = timed(|| {
-            let mut found = Vec::new();
-            for case in cases.iter() {
-                for _ in 0..TRIALS {
-                    let sum: f64 = (0..samples).map(|_| weight(case, way, &mut random)).sum();
-                    found.push(sum / f64::from(samples) / case.truth - 1.0);
-                }
-            }
-            found
-        });
+        let items: Vec<&Case> = cases.iter().flat_map(|case| (0..TRIALS).map(move |_| case)).collect();
+        let chunk = (256 / samples as usize).clamp(1, 32);
+        let (found, seconds) = timed_items(
+            &items,
+            chunk,
+            || (),
+            |(), case| {
+                let sum: f64 = (0..samples).map(|_| weight(case, way, &mut random)).sum();
+                sum / f64::from(samples) / case.truth - 1.0
+            },
+        );
         let [error, worst] = rms_and_worst(found.iter().copied());
         Ok(Run { seconds: seconds / count(found.len()), operations: f64::from(samples), error, worst })
     })
@@ -143,12 +144,8 @@ fn closed(
     const REPEATS: usize = 50;
     let cases = Rc::clone(cases);
     Setting::new(name, name, true, move |_| {
-        let (found, seconds) = timed(|| {
-            (1..REPEATS).for_each(|_| {
-                core::hint::black_box(of());
-            });
-            of()
-        });
+        let (mut found, seconds) = timed_items(&[(); REPEATS], 5, || (), |(), ()| of());
+        let found = found.pop().unwrap_or_default();
         let [error, worst] = rms_and_worst(found.iter().zip(cases.iter()).map(|(f, case)| f / case.truth - 1.0));
         Ok(Run { seconds: seconds / count(REPEATS * found.len()), operations, error, worst })
     })

@@ -7,7 +7,7 @@ use disk_sampling::estimate::{Aim, Panel, Request, Response, integrate, ratio};
 use disk_sampling::partition::{Method, Partition};
 use disk_sampling::{Disk, Receiver, disk_configuration_factor};
 
-use super::plan::{Plan, Random, Run, Setting, count, rms_and_worst, timed};
+use super::plan::{Plan, Random, Run, Setting, count, rms_and_worst, timed_items};
 use crate::verify::oracle;
 
 /// What the light does.
@@ -92,7 +92,7 @@ fn plan(
         operations: "points of the light",
         truth: truth.to_owned(),
         floor: 1e-12,
-        rounds: if quick { 5 } else { 15 },
+        rounds: if quick { 3 } else { 7 },
         weight: if quick { 1.5 } else { 20.0 },
         build: Box::new(move || Ok(settings(&Rc::new(scene()?), quick))),
     }
@@ -191,16 +191,13 @@ const fn own_levels(method: Method) -> bool {
 
 /// Computes all receivers, each with its number of points.
 fn run(scene: &Scene, of: impl Fn(&Scene, &Receiver<f64>) -> (f64, usize)) -> Result<Run, String> {
-    let mut found = Vec::with_capacity(scene.receivers.len());
-    let ((), seconds) = timed(|| {
-        for _ in 0..scene.repeats {
-            found.clear();
-            found.extend(scene.receivers.iter().map(|(receiver, _)| of(scene, receiver)));
-        }
-    });
+    let all = scene.receivers.len();
+    let items: Vec<usize> = (0..all * scene.repeats).map(|item| item % all).collect();
+    let (mut found, seconds) = timed_items(&items, 10, || (), |(), item| of(scene, &scene.receivers[*item].0));
+    found.truncate(all);
     let errors = found.iter().zip(&scene.receivers).map(|((value, _), (_, truth))| value / truth - 1.0);
     let [error, worst] = rms_and_worst(errors);
-    let all = count(scene.receivers.len());
+    let all = count(all);
     let points = found.iter().map(|(_, points)| count(*points)).sum::<f64>() / all;
     Ok(Run { seconds: seconds / count(scene.repeats) / all, operations: points, error, worst })
 }

@@ -3,7 +3,7 @@
 use alloc::rc::Rc;
 use core::f64::consts::PI;
 
-use super::plan::{Plan, Random, Run, Setting, count, count64, rms_and_worst, timed};
+use super::plan::{Plan, Random, Run, Setting, count, count64, rms_and_worst, timed_items};
 use crate::illuminance::{Meter, Settings};
 use crate::path::PathTracer;
 use crate::scene::glam::DVec3;
@@ -32,7 +32,7 @@ pub(super) fn plan(quick: bool) -> Plan {
         operations: "rays and cut polygons",
         truth: "closed form of the part of the rectangle that is seen".to_owned(),
         floor: 1e-12,
-        rounds: if quick { 5 } else { 15 },
+        rounds: if quick { 3 } else { 9 },
         weight: if quick { 2.0 } else { 20.0 },
         build: Box::new(move || {
             let scene = Rc::new(scene()?);
@@ -88,11 +88,8 @@ fn exact(accuracy: f64, scene: &Rc<Scene>, places: &Rc<Vec<(DVec3, f64)>>) -> Se
     let (scene, places) = (Rc::clone(scene), Rc::clone(places));
     Setting::new(format!("illuminance, accuracy {accuracy}"), "exact visibility", true, move |_| {
         let meter = Meter::new(&scene, Settings { accuracy }, None).map_err(|e| e.to_string())?;
-        let (found, seconds) = timed(|| {
-            let read = |(place, _): &(DVec3, f64)| meter.read(*place, DVec3::Z);
-            places.iter().map(read).collect::<Result<Vec<_>, _>>()
-        });
-        let found = found.map_err(|e| e.to_string())?;
+        let (found, seconds) = timed_items(&places, 8, || (), |(), (place, _)| meter.read(*place, DVec3::Z));
+        let found = found.into_iter().collect::<Result<Vec<_>, _>>().map_err(|e| e.to_string())?;
         // One polygon is cut for each place, where no rays are needed.
         let rays: u64 = found.iter().map(|reading| reading.samples + 1).sum();
         let unit = MAXIMUM_LUMINOUS_EFFICACY * Y_INTEGRAL * PI;
@@ -114,8 +111,12 @@ fn shadow_rays(
         let mut palette = Palette::default();
         let tracer = PathTracer::new(&scene, [16; 2], &mut palette).map_err(|e| e.to_string())?;
         let mut random = Random::new(u64::from(rays) << 1 | u64::from(placing == Placing::Random), round);
-        let (found, seconds) = timed(|| {
-            let place = |(place, _): &(DVec3, f64)| {
+        let chunk = (512 / rays as usize).clamp(1, 16);
+        let (found, seconds) = timed_items(
+            &places,
+            chunk,
+            || (),
+            |(), (place, _)| {
                 let probe = tracer.probe(*place + DVec3::Z * 0.1, -DVec3::Z)?;
                 let ray = |k: u32| {
                     let jitter = [random.unit(), random.unit()];
@@ -129,9 +130,9 @@ fn shadow_rays(
                     probe.sample_light(0.5, u.map(single)).map_or(0.0, |s| s.weight * s.direction.z)
                 };
                 Some((0..rays).map(ray).sum::<f64>() / f64::from(rays) / PI)
-            };
-            places.iter().map(place).collect::<Option<Vec<f64>>>()
-        });
+            },
+        );
+        let found: Option<Vec<f64>> = found.into_iter().collect();
         let found = found.ok_or("a place is not on the floor")?;
         Ok(judged(&found, &places, seconds, f64::from(rays) * count(places.len())))
     })

@@ -14,7 +14,7 @@ use spectral_core::summation::SumGrid;
 use spectral_core::tables::{fluorescent, high_pressure, illuminants};
 use spectral_core::{Observer, Real};
 
-use super::plan::{Plan, Random, Run, Setting, count, mean_and_worst, rms_and_worst, timed};
+use super::plan::{Plan, Random, Run, Setting, count, mean_and_worst, rms_and_worst, timed_items};
 use super::products::{Pixels, lamp};
 use crate::spectral::{Tabulated, Y_INTEGRAL};
 use crate::verify::oracle;
@@ -28,7 +28,7 @@ pub(super) fn plans(quick: bool) -> Vec<Plan> {
         operations: "bytes of numbers touched",
         truth: truth.to_owned(),
         floor: 1e-15,
-        rounds: if quick { 5 } else { 15 },
+        rounds: if quick { 3 } else { 9 },
         weight: if quick { 1.0 } else { 12.0 },
         build,
     };
@@ -91,18 +91,20 @@ impl<R: Real> Spectra<R> {
         let white = WHITE.map(|w| R::from_f64(w * Y_INTEGRAL));
         let target = Target { mode: Mode::Certified, threshold: R::from_f64(threshold), white };
         let (mut stack, mut pieces) = ([Interval::zero(); 2], vec![Piece::default(); 512]);
-        let (mut found, mut evaluated) = (Vec::new(), 0);
-        let (outcome, seconds) = timed(|| {
-            for leaf in (1_u32..).take(pyramids.len() - 1) {
-                let ops = [Op::Leaf(0), Op::Leaf(leaf), Op::Product];
+        let leaves: Vec<u32> = (1..).take(pyramids.len() - 1).collect();
+        let (found, seconds) = timed_items(
+            &leaves,
+            4,
+            || (),
+            |(), leaf| {
+                let ops = [Op::Leaf(0), Op::Leaf(*leaf), Op::Product];
                 let program = Program::new(&ops)?;
-                let colour = evaluate(&program, &domain, &target, &mut &*pyramids, &mut stack, &mut pieces)?;
-                found.push(colour.xyz.map(|v| v.to_f64() / Y_INTEGRAL));
-                evaluated += 2 * colour.intervals - 1;
-            }
-            Ok::<_, spectral_core::expression::ExpressionError>(())
-        });
-        outcome.map_err(|e| e.to_string())?;
+                evaluate(&program, &domain, &target, &mut &*pyramids, &mut stack, &mut pieces)
+            },
+        );
+        let found = found.into_iter().collect::<Result<Vec<_>, _>>().map_err(|e| e.to_string())?;
+        let evaluated = found.iter().map(|colour| 2 * colour.intervals - 1).sum();
+        let found = found.iter().map(|colour| colour.xyz.map(|v| v.to_f64() / Y_INTEGRAL)).collect();
         Ok((found, evaluated, seconds))
     }
 }
@@ -155,7 +157,7 @@ fn product<R: Real + 'static>(kind: &'static str, bytes: f64, threshold: f64, pa
 const GRID: SumGrid<81> = SumGrid::CIE_5NM;
 
 fn indices<R: Real + 'static>(kind: &'static str, bytes: f64) -> Setting {
-    const REPEATS: usize = 20;
+    const REPEATS: usize = 5;
     Setting::new(kind, kind, true, move |_| {
         let lights = [&illuminants::D65, &fluorescent::FL2, &fluorescent::FL7, &fluorescent::FL11, &high_pressure::HP1];
         let (mut errors, mut seconds) = (Vec::new(), 0.0);
@@ -164,9 +166,9 @@ fn indices<R: Real + 'static>(kind: &'static str, bytes: f64) -> Setting {
             let truth = index::<f64>(&exact)?;
             for scale in [1.0, 1.0 / 3.0] {
                 let light: [R; 81] = exact.map(|v| R::from_f64(v) * R::from_f64(scale));
-                let (found, taken) = timed(|| (0..REPEATS).map(|_| index::<R>(&light)).last());
+                let (mut found, taken) = timed_items(&[(); REPEATS], 1, || (), |(), ()| index::<R>(&light));
                 seconds += taken / count(REPEATS);
-                errors.push(found.ok_or("no index")?? - truth);
+                errors.push(found.pop().ok_or("no index")?? - truth);
             }
         }
         let [error, worst] = rms_and_worst(errors.iter().copied());
@@ -240,7 +242,7 @@ fn factors<R: Real>(
         Receiver::new(position.map(R::from_f64), normal.map(R::from_f64)).map_err(|e| e.to_string())
     };
     let receivers = all.iter().map(receiver).collect::<Result<Vec<_>, _>>()?;
-    let (found, seconds) = timed(|| receivers.iter().map(|r| of(r).to_f64()).collect::<Vec<_>>());
+    let (found, seconds) = timed_items(&receivers, 50, || (), |(), receiver| of(receiver).to_f64());
     let [error, worst] = rms_and_worst(found.iter().zip(truth).map(|(f, t)| f / t - 1.0));
     Ok(Run { seconds: seconds / count(found.len()), operations, error, worst })
 }

@@ -9,7 +9,7 @@ use spectral_core::colour::rgb::WHITE;
 use spectral_core::colour::{delta_e_ab, xyz_to_lab};
 
 use super::picture;
-use super::plan::{Plan, Run, Setting, count, mean_and_worst, timed};
+use super::plan::{Plan, Run, Setting, count, mean_and_worst, timed_items};
 use super::products::{Known, Pixels, lamp, scene_under};
 use crate::render::Spectra;
 use crate::spectral::{
@@ -69,7 +69,7 @@ fn plan(
         operations: "numbers touched",
         truth: "integrals of the products of piecewise linear spectra, exact but for rounding".to_owned(),
         floor: 1e-6,
-        rounds: if quick { 3 } else { 9 },
+        rounds: if quick { 3 } else { 7 },
         weight: if quick { 3.0 } else { 25.0 },
         build: Box::new(move || {
             let pixels = Rc::new(pixels()?);
@@ -134,11 +134,11 @@ fn colours(spectra: Spectra, pixels: &Pixels) -> Result<(Vec<Colour>, f64), Stri
     let palette = &pixels.palette;
     let components = |components: &Components, kept: bool| {
         let (monomials, radiances) = if kept { &pixels.kept } else { &pixels.free };
-        timed(|| resolve(&mut ComponentResolver::new(components), monomials, radiances))
+        resolve(|| ComponentResolver::new(components), monomials, radiances)
     };
     let bins = |bins: &UniformBins| {
         let (monomials, radiances) = &pixels.free;
-        timed(|| resolve(&mut Uniform::new(bins), monomials, radiances))
+        resolve(|| Uniform::new(bins), monomials, radiances)
     };
     Ok(match spectra {
         Spectra::Rgb => components(&Components::naive(palette)?, false),
@@ -152,14 +152,17 @@ fn colours(spectra: Spectra, pixels: &Pixels) -> Result<(Vec<Colour>, f64), Stri
             let mut memory = IntervalMemory::default();
             let shared = SharedIntervals::new(palette, settings, &mut memory)?;
             let (monomials, radiances) = &pixels.free;
-            timed(|| resolve(&mut Intervals::new(&shared), monomials, radiances))
+            resolve(|| Intervals::new(&shared), monomials, radiances)
         }
     })
 }
 
-fn resolve(resolver: &mut dyn Resolver, monomials: &Monomials, radiances: &[Radiance]) -> Vec<Colour> {
-    let mut tracer = Known(monomials);
-    radiances.iter().map(|radiance| resolver.resolve(radiance, &mut tracer)).collect()
+/// Pixels whose time is taken together.
+const CHUNK: usize = 256;
+
+fn resolve<R: Resolver>(new: impl Fn() -> R, monomials: &Monomials, radiances: &[Radiance]) -> (Vec<Colour>, f64) {
+    let state = || (new(), Known(monomials));
+    timed_items(radiances, CHUNK, state, |(resolver, tracer), radiance| resolver.resolve(radiance, tracer))
 }
 
 /// How many numbers an interval has to first order (mean, three errors), and with its bounds.
@@ -209,7 +212,8 @@ fn operations(spectra: Spectra, pixels: &Pixels, colours: &[Colour]) -> Result<f
     let mut memory = IntervalMemory::default();
     let shared = SharedIntervals::new(&pixels.palette, settings, &mut memory)?;
     let recorded: Vec<Radiance> = recorded.into_values().collect();
-    for (colour, radiance) in resolve(&mut Intervals::new(&shared), monomials, &recorded).iter().zip(&recorded) {
+    let (colours, _) = resolve(|| Intervals::new(&shared), monomials, &recorded);
+    for (colour, radiance) in colours.iter().zip(&recorded) {
         sum += interval_numbers(colour.intervals, settings.mode, factors(radiance));
     }
     Ok(count(sum))
