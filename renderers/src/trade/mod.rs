@@ -3,8 +3,9 @@
 //!
 //! Errors are always taken against truth: a closed form, an exact integral, a far finer representation of the same thing,
 //! or many paths whose own noise is stated. Times are medians over rounds in which the settings of a task take turns, so
-//! that a busy machine slows them alike; work on one core is timed piece by piece, of each the least of three repeats. Beside time, each run counts work that is the same on every machine, and
-//! [`Curve::agreement`] says where the two measures disagree. [`Curve`] marks the Pareto front by both.
+//! that a busy machine slows them alike; work on one core is timed piece by piece, of each the least of three repeats.
+//! Beside time, each run counts work that is the same on every machine, and [`Curve::agreement`] says where the two
+//! measures disagree. [`Curve`] marks the Pareto front by both.
 //!
 //! [`run`] measures, draws and writes; what has been measured is kept in the folder after each round, so that an
 //! interrupted account goes on where it was.

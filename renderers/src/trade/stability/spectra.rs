@@ -13,6 +13,8 @@ use crate::verify::oracle::gauss_legendre;
 
 const DEPTH: u8 = 8;
 const THRESHOLD: f64 = 1.0;
+/// Lines of a base up to this in nm are as good as at one wavelength: the rest is their squared width.
+const NARROW: f64 = 1e-6;
 
 /// All sweeps of intervals.
 pub(super) fn sweeps(quick: bool) -> Result<Vec<Sweep>, String> {
@@ -141,6 +143,12 @@ fn widths<R: Real>(kind: &str, steps: i32) -> Result<Sweep, String> {
             let half = R::from_f64(width) * R::HALF;
             let corners = [centre - half, centre, centre + half].map(Real::to_f64);
             let peak = line.peak().to_f64();
+            if width < NARROW {
+                // Nodes of a rule would fall together. The paint and the observer are linear within the line, but for squares of its width.
+                let (area, middle) = ((corners[2] - corners[0]) * peak / 2.0, corners.iter().sum::<f64>() / 3.0);
+                let matching = Observer::<f64>::cie_1931_2deg().value(middle);
+                return Some(share(&found, matching.map(|m| area * wide_paint.value(middle) * m)));
+            }
             let triangle = [0.0, peak, 0.0];
             let wide = PiecewiseLinear::new(&corners, &triangle, Outside::Zero).ok()?;
             Some(share(&found, exact(&wide, &wide_paint, &corners)))
