@@ -30,6 +30,9 @@ const SCENES: &[(&str, &str)] = embedded![
     "prism.xml",
     "prism-lamp.xml",
     "cornell-box-glass.xml",
+    "fluorescent-spheres.xml",
+    "seminar-room.xml",
+    "office.xml",
 ];
 
 const ASSETS: &[(&str, &str)] = embedded![
@@ -39,6 +42,7 @@ const ASSETS: &[(&str, &str)] = embedded![
     "meshes/cube_ceiling.obj",
     "meshes/floor.obj",
     "meshes/left_wall.obj",
+    "meshes/light_tube.obj",
     "meshes/lounge_back_wall.obj",
     "meshes/lounge_floor.obj",
     "meshes/lounge_lamp.obj",
@@ -54,12 +58,15 @@ const ASSETS: &[(&str, &str)] = embedded![
     "meshes/tall_block.obj",
     "spectra/colorchecker_black_2.spd",
     "spectra/colorchecker_blue.spd",
+    "spectra/colorchecker_blue_flower.spd",
     "spectra/colorchecker_dark_skin.spd",
     "spectra/colorchecker_foliage.spd",
     "spectra/colorchecker_green.spd",
     "spectra/colorchecker_light_skin.spd",
     "spectra/colorchecker_magenta.spd",
+    "spectra/colorchecker_neutral_6_5.spd",
     "spectra/colorchecker_neutral_8.spd",
+    "spectra/colorchecker_orange.spd",
     "spectra/colorchecker_orange_yellow.spd",
     "spectra/colorchecker_purplish_blue.spd",
     "spectra/colorchecker_red.spd",
@@ -71,9 +78,11 @@ const ASSETS: &[(&str, &str)] = embedded![
     "spectra/cornell_red.spd",
     "spectra/cornell_white.spd",
     "spectra/lamp_fl2.spd",
+    "spectra/lamp_fl3_11.spd",
     "spectra/lamp_fl3_14.spd",
     "spectra/lamp_fl3_15.spd",
     "spectra/lamp_fl7.spd",
+    "spectra/lamp_led_b5.spd",
     "spectra/lamp_led_v2.spd",
     "spectra/linoleum_moderate_red.spd",
     "spectra/linoleum_red.spd",
@@ -106,8 +115,8 @@ pub fn load(name: &str, parameters: &[(String, String)]) -> Result<Scene, SceneE
 }
 
 /// Writes a built-in scene and the files that it names into a folder, made if need be, and returns what was written, the
-/// scene first. Mitsuba 3 opens all but `cornell-box-spheres`, `cornell-box-paper`, `cri-room`, `caustic-ring`, `prism` and
-/// `prism-lamp`, which use extensions.
+/// scene first. Mitsuba 3 opens all but `cornell-box-spheres`, `cornell-box-paper`, `cri-room`, `caustic-ring`, `prism`,
+/// `prism-lamp`, `fluorescent-spheres`, `seminar-room` and `office`, which use extensions.
 ///
 /// # Errors
 /// An unknown name, or the file that can't be written.
