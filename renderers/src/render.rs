@@ -14,7 +14,7 @@ use crate::image::{MAX_PIXELS, Picture, ScalarMap};
 use crate::path;
 use crate::radiosity::Representation;
 use crate::scene::{self, Scene};
-use crate::spectral::{IntervalMemory, IntervalSettings, Intervals, Palette, Resolver, SharedIntervals};
+use crate::spectral::{IntervalMemory, IntervalSettings, Intervals, Palette, Resolver, SharedIntervals, Steering};
 use crate::whitted::{RenderError, Whitted};
 
 pub use between::BetweenReport;
@@ -71,6 +71,9 @@ pub struct Options {
     pub photons: PhotonOptions,
     /// How the same renderer finds light between surfaces by final gathers, if it does.
     pub gather: GatherOptions,
+    /// What decides which lights paths look for and which rays go on; `None`: the default for paths, and for the other renderers that rays
+    /// by mirrors and glass go on whatever these reflect.
+    pub steering: Option<Steering>,
 }
 
 /// How [`Renderer::Radiosity`] and [`Renderer::PhotonMap`] find light between surfaces.
@@ -180,6 +183,10 @@ pub fn render_watched(scene: &Scene, options: &Options, watch: &dyn Watch) -> Re
     let start = Instant::now();
     let mut palette = Palette::default();
     let whitted = Whitted::new(scene, size, &mut palette)?;
+    let whitted = match options.steering {
+        Some(steering) => whitted.steered(steering.paths, &palette),
+        None => whitted,
+    };
     let frame = Frame {
         size: size.map(|s| s as usize),
         samples: options.samples.unwrap_or(scene.sampler.sample_count).max(1),

@@ -10,7 +10,7 @@ use renderers::progress::Progress;
 use renderers::render::{self, BetweenOptions, BetweenReport, Options, Rendering, Spectra, Watch};
 use renderers::report::{ChartLabels, Histogram, Table};
 use renderers::scene::{self, Scene, builtin};
-use renderers::spectral::IntervalSettings;
+use renderers::spectral::{Functional, IntervalSettings, Steering};
 use serde_json::json;
 use spectral_core::adaptive::Mode;
 use spectral_core::colour::rgb::linear_rgb_to_xyz;
@@ -64,6 +64,10 @@ pub(super) struct Arguments {
     /// Gather light between surfaces for every camera ray instead of interpolating it.
     #[arg(long)]
     exact: bool,
+    /// What decides which lights are looked for and which rays go on: brightness (∫σȳ), constant (∫σ) or intensity (max σ) of lights' spectra,
+    /// and after a comma that of the reflectances met, which is the intensity by default.
+    #[arg(long, value_name = "LIGHTS[,PATHS]", value_parser = parse_steering)]
+    steering: Option<Steering>,
     #[command(flatten)]
     photons: PhotonArguments,
     #[command(flatten)]
@@ -127,6 +131,17 @@ fn parse_spectra(text: &str) -> Result<Representation, String> {
                 .to_owned()
         }),
     }
+}
+
+fn parse_steering(text: &str) -> Result<Steering, String> {
+    let function = |name: &str| {
+        [Functional::Brightness, Functional::Constant, Functional::Intensity]
+            .into_iter()
+            .find(|f| f.to_string() == name)
+    };
+    let (lights, paths) = text.split_once(',').unwrap_or((text, "intensity"));
+    let steering = function(lights).zip(function(paths)).map(|(lights, paths)| Steering { lights, paths });
+    steering.ok_or_else(|| "expected brightness, constant or intensity, or two of them with a comma between".to_owned())
 }
 
 fn parse_size(text: &str) -> Result<[u32; 2], String> {
@@ -214,7 +229,8 @@ impl Arguments {
         let between = BetweenOptions { accuracy, exact: self.exact };
         let gather = self.gather.options(photons.between == render::Between::Gather)?;
         let (size, samples, seed) = (self.size, self.spp, self.seed);
-        Ok(Options { renderer, spectra, size, samples, seed, between, photons, gather })
+        let steering = self.steering;
+        Ok(Options { renderer, spectra, size, samples, seed, between, photons, gather, steering })
     }
 
     /// The threshold asked for, or the default.

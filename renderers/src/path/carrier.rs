@@ -1,6 +1,6 @@
 //! What a path carries from the eye: how much of the light at its end counts for the picture, in every component.
 
-use crate::spectral::{Factor, UniformBins, normalised};
+use crate::spectral::{Factor, Functional, UniformBins, normalised};
 
 /// A factor, `None` for 1, and its share.
 pub(super) type Term = (Option<Factor>, f64);
@@ -29,8 +29,8 @@ pub(super) trait Carrier {
     /// Gathers light, times Σ share · factor and a weight.
     fn gather(&mut self, terms: &[Term], light: Factor, weight: f64);
 
-    /// The most that light of 1 counts for in any component.
-    fn strength(&self) -> f64;
+    /// What light of 1 counts for, one number for all components.
+    fn strength(&self, function: Functional) -> f64;
 
     /// Tristimulus values of what has been gathered, Y = 1 for a flat radiance of 1.
     fn xyz(&self) -> [f64; 3];
@@ -172,9 +172,9 @@ impl Carrier for Rows<'_> {
         }
     }
 
-    fn strength(&self) -> f64 {
-        let largest = || self.row.iter().fold(0.0, |a: f64, r| a.max(*r));
-        self.scale * self.chosen.map_or_else(largest, |(_, _, share)| share)
+    fn strength(&self, function: Functional) -> f64 {
+        let all = || function.of_bins(self.bins, &self.row);
+        self.scale * self.chosen.map_or_else(all, |(_, _, share)| share)
     }
 
     fn xyz(&self) -> [f64; 3] {

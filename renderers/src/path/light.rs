@@ -8,11 +8,11 @@ use crate::direct::{Receiver, Shape, single, sources};
 use crate::geometry::sampling::{square_to_cosine_hemisphere, square_to_disk, square_to_triangle};
 use crate::geometry::{Hit, SurfacePoint, World};
 use crate::luminaire::PlacedLuminaire;
-use crate::scene::{Emitter, Geometry, Scene, SpectrumId};
-use crate::spectral::{Factor, Palette, Role};
+use crate::scene::{Emitter, Geometry, Scene, SpectrumId, SpectrumKind};
+use crate::spectral::{Factor, Functional, Palette, Role};
 use crate::whitted::RenderError;
 
-/// The share of paths that choose among all lights evenly; the others choose by flux.
+/// The share of paths that choose among all lights evenly; the others choose by flux, or what is steered by in its place.
 const EVENLY: f64 = 0.1;
 
 /// One light: a shape that shines, a triangle of a mesh that does, or a light without area.
@@ -78,12 +78,17 @@ pub(super) enum End {
 }
 
 impl Lights {
-    /// The lights of a scene, but for its ambient term; their spectra are added to the palette.
-    pub(super) fn new(scene: &Scene, world: &World, palette: &mut Palette) -> Result<Self, RenderError> {
+    /// The lights of a scene, but for its ambient term, chosen by what `function` says of their spectra, which are added to the palette.
+    pub(super) fn new(
+        scene: &Scene,
+        world: &World,
+        palette: &mut Palette,
+        function: Functional,
+    ) -> Result<Self, RenderError> {
         let mut lights = Self { of_primitive: vec![None; world.len()], ..Self::default() };
         let mut powers = Vec::new();
         for emitter in &scene.emitters {
-            lights.add(scene, world, emitter, palette, &mut powers)?;
+            lights.add(scene, world, emitter, (palette, function), &mut powers)?;
         }
         lights.share(&powers);
         Ok(lights)
@@ -94,15 +99,15 @@ impl Lights {
         scene: &Scene,
         world: &World,
         emitter: &Emitter,
-        palette: &mut Palette,
+        (palette, function): (&mut Palette, Functional),
         powers: &mut Vec<f64>,
     ) -> Result<(), RenderError> {
         let [low, high] = world.bounds().map(Vec3A::as_dvec3);
         let cross_section = PI * (high - low).length_squared() / 4.0;
         let mut add = |kind: Kind, spectrum: SpectrumId, unit: f64| {
             let data = scene.spectrum(spectrum);
-            powers.push(unit * data.kind.photometric());
             let factor = palette.factor(data, Role::Light);
+            powers.push(unit * power(&data.kind, palette, factor, function));
             self.lights.push(Light { kind, factor, share: 0.0 });
         };
         match emitter {
@@ -255,6 +260,15 @@ impl Light {
         let cosine = -way.dot(normal) / squared.sqrt();
         if cosine > 0.0 { squared / (cosine * area) } else { 0.0 }
     }
+}
+
+/// What a function says of a light's spectrum; its brightness in photometric units.
+fn power(kind: &SpectrumKind, palette: &Palette, factor: Factor, function: Functional) -> f64 {
+    if function == Functional::Brightness {
+        return kind.photometric();
+    }
+    let leaf = factor.leaf.and_then(|leaf| palette.leaves().get(leaf as usize));
+    factor.scale * leaf.map_or(1.0, |(spectrum, _)| function.of(spectrum))
 }
 
 fn area(shape: &Shape) -> f64 {

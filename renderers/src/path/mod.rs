@@ -38,7 +38,7 @@ use crate::image::{ImageError, Raster};
 use crate::material::Material;
 use crate::render::{Options, Rendering, Spectra, Variance, bilinear, check_area, filter, prefiltered, single};
 use crate::scene::{Emitter, Integrator, Scene};
-use crate::spectral::{Components, Factor, Palette, Role, UniformBins};
+use crate::spectral::{Components, Factor, Palette, Role, Steering, UniformBins};
 use crate::whitted::{RenderError, camera};
 use carrier::{Carrier, Rows};
 use film::{Pixel, RUN};
@@ -124,6 +124,7 @@ pub struct PathTracer {
     settings: Settings,
     strategy: Strategy,
     paths: Paths,
+    steering: Steering,
 }
 
 impl PathTracer {
@@ -132,6 +133,19 @@ impl PathTracer {
     /// # Errors
     /// Whatever this renderer can't do.
     pub fn new(scene: &Scene, size: [u32; 2], palette: &mut Palette) -> Result<Self, RenderError> {
+        Self::steered(scene, size, palette, Steering::default())
+    }
+
+    /// The same with lights and ends of paths chosen otherwise: the mean is the same, the noise isn't.
+    ///
+    /// # Errors
+    /// Whatever this renderer can't do.
+    pub fn steered(
+        scene: &Scene,
+        size: [u32; 2],
+        palette: &mut Palette,
+        steering: Steering,
+    ) -> Result<Self, RenderError> {
         let world = direct::world(scene).map_err(|e| RenderError::new(e.to_string()))?;
         let mut surfaces = Vec::new();
         for (number, shape) in scene.shapes.iter().enumerate() {
@@ -147,10 +161,10 @@ impl PathTracer {
                 surface.emission = Some(palette.factor(scene.spectrum(*radiance), Role::Light));
             }
         }
-        let lights = Lights::new(scene, &world, palette)?;
+        let lights = Lights::new(scene, &world, palette, steering.lights)?;
         let settings = Settings::new(scene.integrator);
         let (strategy, paths) = (Strategy::default(), Paths::default());
-        Ok(Self { camera: camera(scene, size)?, world, surfaces, lights, settings, strategy, paths })
+        Ok(Self { camera: camera(scene, size)?, world, surfaces, lights, settings, strategy, paths, steering })
     }
 }
 
@@ -188,10 +202,16 @@ pub fn render(
     check_area(size)?;
     check_memory(size)?;
     let mut palette = Palette::default();
-    let tracer = PathTracer { strategy: run.strategy, paths: run.paths, ..PathTracer::new(scene, size, &mut palette)? };
+    let steering = options.steering.unwrap_or_default();
+    let tracer = PathTracer::steered(scene, size, &mut palette, steering)?;
+    let tracer = PathTracer { strategy: run.strategy, paths: run.paths, ..tracer };
     let seed = options.seed.unwrap_or(scene.sampler.seed);
     let size = size.map(|s| s as usize);
-    let spectra = options.spectra.to_string();
+    // A run that is steered otherwise has other samples.
+    let spectra = match options.steering {
+        Some(steering) if steering != Steering::default() => format!("{}/{steering}", options.spectra),
+        _ => options.spectra.to_string(),
+    };
     let frame = Frame {
         identity: Identity { scene: state::digest(scene), size, seed, spectra, paths: run.paths },
         samples: options.samples.unwrap_or(scene.sampler.sample_count).max(1),

@@ -21,6 +21,7 @@ pub(super) struct Identity {
     pub(super) scene: u128,
     pub(super) size: [usize; 2],
     pub(super) seed: u64,
+    /// The representation, and after a slash what is steered by, if that isn't the default.
     pub(super) spectra: String,
     pub(super) paths: Paths,
 }
@@ -113,7 +114,8 @@ impl Identity {
             (scene == format!("{:032x}", self.scene), "is of another scene"),
             (size == format!("{width}x{height}"), "is of another image size"),
             (seed == self.seed.to_string(), "is of another seed"),
-            (spectra == self.spectra, "is of another representation of spectra"),
+            (representation(spectra) == representation(&self.spectra), "is of another representation of spectra"),
+            (spectra == self.spectra, "is steered otherwise"),
         ] {
             if !same {
                 return Err(otherwise);
@@ -121,6 +123,11 @@ impl Identity {
         }
         samples.parse().map_err(|_| DAMAGED)
     }
+}
+
+/// What comes before the slash.
+fn representation(spectra: &str) -> &str {
+    spectra.split('/').next().unwrap_or_default()
 }
 
 /// The pixels in a state file and how many samples they have; `None` if there is no such file.

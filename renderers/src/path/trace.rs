@@ -132,10 +132,22 @@ impl<'s> Walk<'s> {
         }
         let mut state = State { ray, segment: 1, interior: None, index2: 1.0, chosen: None, met: Met::Nothing };
         while let Some(next) = self.segment(&state, points, carrier) {
-            if next.segment > settings.rr_depth && !survives(&next, points, carrier) {
+            if next.segment > settings.rr_depth && !self.survives(&next, points, carrier) {
                 return;
             }
             state = next;
+        }
+    }
+
+    /// Whether a path goes on: as likely as its light counts, and then it counts the more.
+    fn survives(&self, state: &State, points: Points, carrier: &mut impl Carrier) -> bool {
+        let likely = (carrier.strength(self.scene.steering.paths) * state.index2).min(MOST_LIKELY);
+        let [u, _] = points.vertex(state.segment - 1, Vertex::Survival);
+        if f64::from(u) < likely {
+            carrier.scale(1.0 / likely);
+            true
+        } else {
+            false
         }
     }
 
@@ -267,18 +279,6 @@ impl<'s> Walk<'s> {
 /// The first term alone where there is no second one.
 fn terms_of(terms: &super::scatter::Terms) -> &[super::carrier::Term] {
     if terms[1].1 == 0.0 { &terms[..1] } else { terms }
-}
-
-/// Whether a path goes on: as likely as its light counts, and then it counts the more.
-fn survives(state: &State, points: Points, carrier: &mut impl Carrier) -> bool {
-    let likely = (carrier.strength() * state.index2).min(MOST_LIKELY);
-    let [u, _] = points.vertex(state.segment - 1, Vertex::Survival);
-    if f64::from(u) < likely {
-        carrier.scale(1.0 / likely);
-        true
-    } else {
-        false
-    }
 }
 
 /// Reflection or refraction at a smooth boundary.

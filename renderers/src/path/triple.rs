@@ -1,7 +1,7 @@
 //! Paths that carry three components: products one by one, or by matrices.
 
 use super::carrier::{Carrier, Term};
-use crate::spectral::{Components, Factor, MEAN_WAVELENGTH};
+use crate::spectral::{Components, Factor, Functional, MEAN_WAVELENGTH};
 
 type Matrix = [[f64; 3]; 3];
 
@@ -86,8 +86,11 @@ impl Carrier for Triple<'_> {
         self.light = core::array::from_fn(|a| self.light[a] + weight * seen[a]);
     }
 
-    fn strength(&self) -> f64 {
-        self.scale.abs() * self.matrix.as_flattened().iter().fold(0.0, |a: f64, m| a.max(m.abs()))
+    fn strength(&self, function: Functional) -> f64 {
+        let space = self.components.space();
+        let luminances = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(|unit| space.to_xyz(unit)[1]);
+        let most = self.matrix.map(|row| row.iter().fold(0.0, |a: f64, m| a.max(m.abs())));
+        self.scale.abs() * function.of_components(luminances, most)
     }
 
     fn xyz(&self) -> [f64; 3] {

@@ -30,8 +30,7 @@ impl Components {
     /// # Errors
     /// A text that says what is wrong with which leaf.
     pub fn naive(palette: &Palette) -> Result<Self, String> {
-        let space = rec_709()?;
-        Ok(Self { space, leaves: leaves(palette, &space, |leaf| surface_colour(leaf, space))?, reflections: None })
+        Self::relative_to(palette, &Tabulated::d65(), rec_709()?)
     }
 
     /// Spectral prefiltering (Ward and Eydelberg-Vileshin 2002) in their sharp primaries: what the dominant light's direct light becomes
@@ -40,9 +39,17 @@ impl Components {
     /// # Errors
     /// A text that says what is wrong with which leaf, or that the dominant light has no positive component in this space.
     pub fn prefiltered(palette: &Palette, dominant: &Tabulated) -> Result<Self, String> {
-        let (observer, space) = (Observer::cie_1931_2deg(), RgbSpace::SHARP);
-        let dominant = dominant.spectrum()?;
-        let prefilter = Prefilter::new(&observer, &dominant, space).map_err(|e| e.to_string())?;
+        Self::relative_to(palette, dominant, RgbSpace::SHARP)
+    }
+
+    /// Any such way: a reflectance has the components of its colour under a light, relative to those of that light, in any space. With the
+    /// space's white it is a naive way, with a scene's light a prefiltered one. Components are multiplied one by one.
+    ///
+    /// # Errors
+    /// A text that says what is wrong with which leaf, or that the light has no positive component in this space.
+    pub fn relative_to(palette: &Palette, light: &Tabulated, space: RgbSpace) -> Result<Self, String> {
+        let (observer, light) = (Observer::cie_1931_2deg(), light.spectrum()?);
+        let prefilter = Prefilter::new(&observer, &light, space).map_err(|e| e.to_string())?;
         let leaves = leaves(palette, &space, |reflectance| Ok(prefilter.material(&reflectance.spectrum()?)))?;
         Ok(Self { space, leaves, reflections: None })
     }

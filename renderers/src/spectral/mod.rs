@@ -10,6 +10,7 @@ mod gathered;
 mod interval;
 mod palette;
 mod radiance;
+mod steering;
 mod uniform;
 
 pub(crate) use components::MEAN_WAVELENGTH;
@@ -19,6 +20,7 @@ pub use interval::{IntervalMemory, IntervalSettings, Intervals, SharedIntervals}
 pub use palette::{Factor, Palette, Role, Tabulated};
 pub use radiance::{Deferred, FactorOrder, Gathered, Monomial, Monomials, Radiance};
 pub(crate) use radiance::{PairBuild, PairHasher};
+pub use steering::{Functional, Steering};
 pub use uniform::{Uniform, UniformBins};
 
 /// ∫ȳ of the CIE 1931 observer over 380–780 nm in nm, at 1 nm, exact for its linear interpolation: what divides ∫Lȳ so that a flat

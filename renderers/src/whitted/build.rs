@@ -33,6 +33,7 @@ impl Whitted {
             ambient: Vec::new(),
             cells: None,
             settings: settings(scene.integrator)?,
+            counts: Vec::new(),
         };
         for emitter in &scene.emitters {
             result.add_light(scene, emitter, palette)?;

@@ -189,7 +189,7 @@ impl Worker<'_> {
             GlossyLight::Reflections | GlossyLight::ReflectionsUnweighted => 1.0,
         };
         self.emitted(&met, Path { weight: path.weight * share, ..path }, radiance);
-        if path.depth <= self.scene.settings.max_depth && path.weight >= path.least {
+        if path.depth <= self.scene.settings.max_depth && path.weight * path.counts >= path.least {
             self.shade(&met, direction, path, radiance);
         }
     }
