@@ -4,6 +4,7 @@
 
 mod brdf;
 mod compare;
+mod gallery;
 mod gather;
 mod illuminance;
 mod light;
@@ -42,6 +43,8 @@ enum Command {
     Compare(compare::Arguments),
     /// Put a high-dynamic-range picture under another light.
     Relight(relight::Arguments),
+    /// Render every built-in scene in several ways, with comparisons, into one page.
+    Gallery(gallery::Arguments),
     /// Everything there is to say of a light: colour temperature, colour rendering, action spectra.
     Light(light::Arguments),
     /// Models of glossy reflection: fitted to measured data, and what they reflect.
@@ -138,6 +141,7 @@ fn dispatch(arguments: Arguments) -> Result<(Answer, ExitCode), Failure> {
     let answer = match arguments.command {
         Command::Verify(verify) => return verify.run(),
         Command::Trade(trade) => return trade.run(),
+        Command::Gallery(gallery) => return gallery.run(),
         Command::Render(render) => render.run(),
         Command::Compare(compare) => compare.run(),
         Command::Relight(relight) => relight.run(),
@@ -164,7 +168,7 @@ mod tests {
         for (arguments, expected) in [
             (
                 &[][..],
-                "'spectral' requires a subcommand but one was not provided [subcommands: render, compare, relight, light, brdf, illuminance, scene, verify, trade, help]",
+                "'spectral' requires a subcommand but one was not provided [subcommands: render, compare, relight, gallery, light, brdf, illuminance, scene, verify, trade, help]",
             ),
             (
                 &["render", "--sise", "4x4"],

@@ -157,22 +157,25 @@ pub(super) fn parse_define(text: &str) -> Result<(String, String), String> {
 
 impl Arguments {
     pub(super) fn run(self) -> Result<Answer, Failure> {
+        self.run_watched(&Bars::default())
+    }
+
+    /// The same; `watch` is told how far it is.
+    pub(super) fn run_watched(self, watch: &dyn Watch) -> Result<Answer, Failure> {
         let options = self.options()?;
         let scene = self.load()?;
         make_folder(&self.out)?;
         let warnings = super::warn(&scene);
-        let bars = Bars::default();
         let rendering = match &self.resume {
             Some(file) if self.renderer == Renderer::Path => {
                 let [width, height] = options.size.unwrap_or([scene.film.width, scene.film.height]);
-                bars.stage("render", u64::from(width) * u64::from(height));
+                watch.stage("render", u64::from(width) * u64::from(height));
                 let run = path::Run { state: Some(file), ..path::Run::default() };
-                path::render(&scene, &options, run, &|pixels| bars.add(pixels as u64))
+                path::render(&scene, &options, run, &|pixels| watch.add(pixels as u64))
             }
-            _ => render::render_watched(&scene, &options, &bars),
+            _ => render::render_watched(&scene, &options, watch),
         }
         .map_err(|e| Failure(format!("{}: {e}", self.scene)))?;
-        drop(bars);
         let report = Report { warnings, ..Report::new(&scene, &options, &rendering, self.threshold()) };
         let files = self.write(&report, &rendering)?;
         Ok(report.answer(&files))

@@ -98,6 +98,12 @@ pub fn names() -> impl Iterator<Item = &'static str> {
     SCENES.iter().map(|(file, _)| file.trim_end_matches(".xml"))
 }
 
+/// The text of a built-in scene; `None` if no scene has this name.
+#[must_use]
+pub fn xml(name: &str) -> Option<&'static str> {
+    find(name).map(|(_, xml)| xml)
+}
+
 /// The text of a built-in scene with the files that it names; `None` if no scene has this name.
 #[must_use]
 pub fn source(name: &str) -> Option<Source> {
