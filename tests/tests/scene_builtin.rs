@@ -42,7 +42,8 @@ fn all_scenes_are_listed_the_default_first() {
     assert_eq!(names[0], builtin::DEFAULT);
     let others = ["cie-171-5-8", "furnace", "lounge", "cri-room", "neumann-schanda", "grazing"];
     let caustics = ["caustic-ring", "caustic-ring-mirror", "prism", "prism-lamp", "cornell-box-glass"];
-    for name in CORNELL_BOXES.iter().chain(&others).chain(&caustics) {
+    let thesis = ["fluorescent-spheres", "seminar-room", "office"];
+    for name in CORNELL_BOXES.iter().chain(&others).chain(&caustics).chain(&thesis) {
         assert!(names.contains(name), "{name}");
     }
 }

@@ -17,7 +17,16 @@ use spectral_core::tables::led::LED_V2;
 use spectral_core::tables::observers::CIE_1931_2;
 use spectral_tests::generators::Draw;
 
-const ROOMS: [&str; 5] = ["cie-171-5-8", "furnace", "lounge", "cri-room", "neumann-schanda"];
+const ROOMS: [&str; 8] = [
+    "cie-171-5-8",
+    "furnace",
+    "lounge",
+    "cri-room",
+    "neumann-schanda",
+    "fluorescent-spheres",
+    "seminar-room",
+    "office",
+];
 
 fn with(name: &str, parameters: &[(&str, &str)]) -> Scene {
     let parameters: Vec<_> = parameters.iter().map(|(n, v)| ((*n).to_owned(), (*v).to_owned())).collect();
