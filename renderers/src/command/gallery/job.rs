@@ -22,7 +22,7 @@ pub(super) struct Quality {
 }
 
 pub(super) const FULL: Quality = Quality { side: 256, samples: 4, photons: 1 };
-pub(super) const QUICK: Quality = Quality { side: 48, samples: 1, photons: 16 };
+pub(super) const QUICK: Quality = Quality { side: 64, samples: 1, photons: 16 };
 
 /// `spectral render`, with what it takes.
 #[derive(Debug, Parser)]

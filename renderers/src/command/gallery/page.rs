@@ -12,7 +12,7 @@ body { font: 15px/1.5 system-ui, sans-serif; margin: 2rem auto; max-width: 100re
 h1, h2 { line-height: 1.2; }
 h2 { border-top: 1px solid #8888; margin-top: 3rem; padding-top: 1rem; }
 nav a { margin-right: 1em; white-space: nowrap; }
-.pictures { display: grid; gap: 1rem; grid-template-columns: repeat(auto-fill, minmax(15rem, 1fr)); }
+.pictures { display: grid; gap: 1rem; grid-template-columns: repeat(auto-fill, minmax(12rem, 1fr)); }
 figure { margin: 0; }
 figure img { display: block; width: 100%; image-rendering: pixelated; }
 figure .map { image-rendering: auto; margin-top: .5rem; }

@@ -65,7 +65,7 @@ impl Figure {
     ///   of the mode and the reference;
     /// - `share A-B`: pixels with A to B intervals, in %;
     /// - `band-photons`: photons that were thrown for bands of waves, but for the first one, which has all waves;
-    /// - `reference-brightness min` and `max`: extremes of the brightness of the reference relative to the mode, minus 1, in %.
+    /// - `excess min` and `max`: extremes of how much too bright the mode is, relative to itself, in %.
     pub(super) fn counterpart(&self, render: &Value, compare: Option<&Value>) -> Option<f64> {
         if let Some((first, last)) = self.value.strip_prefix("share ").and_then(|range| range.split_once('-')) {
             let (first, last): (usize, usize) = (first.parse().ok()?, last.parse().ok()?);
@@ -74,10 +74,9 @@ impl Figure {
             let within: f64 = counts.iter().take(last + 1).skip(first).sum();
             return Some(100.0 * within / counts.iter().sum::<f64>());
         }
-        if let Some(extreme) = self.value.strip_prefix("reference-brightness ") {
-            let other = if extreme == "max" { "min" } else { "max" };
-            let ratio = compare?["relative_brightness"][other].as_f64()?;
-            return Some(100.0 * (1.0 / (1.0 + ratio) - 1.0));
+        if let Some(extreme) = self.value.strip_prefix("excess ") {
+            let ratio = compare?["relative_brightness"][extreme].as_f64()?;
+            return Some(100.0 * ratio / (1.0 + ratio));
         }
         if self.value == "band-photons" {
             let bands = render["photon_map"]["bands"].as_array()?;
@@ -105,8 +104,8 @@ mod tests {
         let of = |value: &str| figure(value).counterpart(&render, Some(&compare));
         assert_eq!(of("render/intervals/mean"), Some(2.5));
         assert_eq!(of("share 2-3"), Some(62.5));
-        assert!((of("reference-brightness max").unwrap() - 25.0).abs() <= 1e-12);
-        assert!((of("reference-brightness min").unwrap() + 20.0).abs() <= 1e-12);
+        assert!((of("excess max").unwrap() - 20.0).abs() <= 1e-12);
+        assert!((of("excess min").unwrap() + 25.0).abs() <= 1e-12);
         assert_eq!(of("compare/delta_e00/max"), None);
         assert_eq!(figure("compare/delta_e00/max").counterpart(&render, None), None);
     }
