@@ -3,10 +3,14 @@
 #![allow(clippy::unwrap_used, reason = "helpers of tests fail by panicking")]
 #![allow(clippy::print_stdout, reason = "tables for people who run the test with --nocapture")]
 
+use std::process::Command;
+
+use renderers::path;
 use renderers::render::{Options, Renderer, Rendering, Spectra, render};
 use renderers::scene::{Scene, Source, load};
 use renderers::spectral::{Functional, Steering};
 use spectral_core::colour::rgb::linear_rgb_to_xyz;
+use spectral_tests::program::spectral;
 
 const ALL: [Functional; 3] = [Functional::Brightness, Functional::Constant, Functional::Intensity];
 
@@ -164,4 +168,41 @@ fn the_intensity_of_materials_loses_nothing_that_counts() {
     assert!(intensity.1 <= 1e-4 * brightest, "{intensity:?}");
     assert!(brightness.0 < constant.0 && constant.0 < intensity.0, "{found:?}");
     assert!(brightness.1 > constant.1 && brightness.1 > 0.1 * brightest, "{found:?}");
+}
+
+/// Samples that were chosen otherwise are others: a run doesn't go on from them.
+#[test]
+fn a_run_goes_on_only_as_it_was_steered() {
+    let scene = two_lamps();
+    let state = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("steering.state");
+    let _ = std::fs::remove_file(&state);
+    let run = |steering, samples| {
+        let spectra = Spectra::Uniform(4);
+        let options = Options { spectra, steering, samples: Some(samples), ..Options::default() };
+        path::render(&scene, &options, path::Run { state: Some(&state), ..path::Run::default() }, &|_| {})
+    };
+    run(None, 2).unwrap();
+    // The default by its name is the default.
+    run(Some(Steering::default()), 3).unwrap();
+    let other = Steering { lights: Functional::Constant, ..Steering::default() };
+    let refused = run(Some(other), 4).unwrap_err().to_string();
+    assert!(refused.ends_with("is steered otherwise"), "{refused}");
+}
+
+#[test]
+fn the_command_takes_what_there_is() {
+    let run = |steering: &str| {
+        let out = format!("--out={}/steering", env!("CARGO_TARGET_TMPDIR"));
+        let arguments = ["render", "--renderer=path", "--size=2x2", "--spp=2", "--json", "--steering", steering, &out];
+        Command::new(spectral(env!("CARGO_TARGET_TMPDIR"))).args(arguments).output().unwrap()
+    };
+    for steering in ["brightness", "constant", "intensity", "constant,brightness"] {
+        assert_eq!(run(steering).status.code(), Some(0), "{steering}");
+    }
+    for steering in ["luminance", "brightness,", "brightness,constant,intensity", ""] {
+        let refused = run(steering);
+        let said = String::from_utf8_lossy(&refused.stderr).into_owned();
+        assert_eq!(refused.status.code(), Some(2), "{steering}");
+        assert!(said.lines().count() == 1 && said.contains("--steering"), "{said}");
+    }
 }
