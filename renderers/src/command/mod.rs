@@ -92,6 +92,18 @@ pub(crate) fn run() -> ExitCode {
     }
 }
 
+/// Whether there is a command of this name.
+fn has_command(name: &str) -> bool {
+    <Arguments as clap::CommandFactory>::command().find_subcommand(name).is_some()
+}
+
+/// Runs a command of this program, by its name and what it takes.
+fn run_line<'a>(words: impl Iterator<Item = &'a str>) -> Result<Answer, Failure> {
+    let arguments = Arguments::try_parse_from(core::iter::once("spectral").chain(words));
+    let arguments = arguments.map_err(|error| Failure(one_line(&error.render().to_string())))?;
+    dispatch(arguments).map(|(answer, _)| answer)
+}
+
 /// Prints a result. Whoever reads only its beginning has got what was wanted.
 fn show(text: &str) -> ExitCode {
     let mut out = std::io::stdout().lock();

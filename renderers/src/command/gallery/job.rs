@@ -9,8 +9,8 @@ use renderers::image::write_atomic;
 use renderers::render::Watch;
 use serde_json::{Value, json};
 
-use super::plan::{Entry, Mode};
-use crate::command::{Failure, render};
+use super::plan::{Entry, MAPS, Mode};
+use crate::command::{Failure, render, run_line};
 
 /// How large pictures are.
 #[derive(Clone, Copy, Debug)]
@@ -35,8 +35,10 @@ struct Line {
 /// A picture to be rendered.
 #[derive(Debug)]
 pub(super) struct Job {
-    /// What `spectral render` is called with, but for the folder.
-    pub(super) arguments: Vec<String>,
+    /// The command of this program, `render` or `map`.
+    command: &'static str,
+    /// What it is called with, but for the folder.
+    arguments: Vec<String>,
     /// Where its files go.
     folder: PathBuf,
     /// The program and the scene that it was rendered with: pictures of others don't count.
@@ -46,7 +48,7 @@ pub(super) struct Job {
 /// A picture that is there.
 #[derive(Debug)]
 pub(super) struct Done {
-    /// What `spectral render --json` says.
+    /// What `spectral render --json`, or `spectral map --json`, says.
     pub(super) render: Value,
     /// Whether it was there already.
     pub(super) found: bool,
@@ -65,16 +67,29 @@ impl Job {
         if (entry.exposure - 1.0).abs() > 0.0 {
             arguments.push(format!("--exposure={}", entry.exposure));
         }
-        let scene = renderers::scene::builtin::source(entry.scene).map(|source| format!("{source:?}"));
-        let made_of = format!("{} {:016x}", env!("CARGO_PKG_VERSION"), hash(&scene.unwrap_or_default()));
-        Self { arguments, folder: out.join(entry.name).join(mode.name), made_of }
+        Self { command: "render", arguments, folder: out.join(entry.name).join(mode.name), made_of: made_of(entry) }
+    }
+
+    /// The maps with these options.
+    pub(super) fn map(entry: &Entry, options: &str, quality: Quality, out: &Path) -> Self {
+        let mut arguments = vec![entry.scene.to_owned()];
+        arguments.extend(options.split_whitespace().map(str::to_owned));
+        arguments.extend(entry.options.iter().map(|option| (*option).to_owned()));
+        arguments.push(format!("--size={0}x{0}", quality.side));
+        let folder = out.join(entry.name).join(MAPS).join(options.replace("--", "").replace([' ', ','], "-"));
+        Self { command: "map", arguments, folder, made_of: made_of(entry) }
+    }
+
+    /// Its folder, within that of the gallery.
+    pub(super) fn folder(&self, out: &Path) -> String {
+        self.folder.strip_prefix(out).unwrap_or(&self.folder).to_string_lossy().replace('\\', "/")
     }
 
     /// The command that renders the same picture.
     pub(super) fn command(&self) -> String {
         let quoted =
             |argument: &String| if argument.contains(' ') { format!("\"{argument}\"") } else { argument.clone() };
-        format!("spectral render {}", self.arguments.iter().map(quoted).collect::<Vec<_>>().join(" "))
+        format!("spectral {} {}", self.command, self.arguments.iter().map(quoted).collect::<Vec<_>>().join(" "))
     }
 
     /// The picture as an earlier run has left it, if that was the same one and its files are there.
@@ -92,8 +107,12 @@ impl Job {
             return Ok(Done { render, found: true });
         }
         let out = format!("--out={}", self.folder.display());
-        let line = Line::try_parse_from(self.arguments.iter().chain([&out]))?;
-        let mut render = line.render.run_watched(watch)?.json;
+        let arguments = self.arguments.iter().chain([&out]);
+        let mut render = if self.command == "render" {
+            Line::try_parse_from(arguments)?.render.run_watched(watch)?.json
+        } else {
+            run_line(core::iter::once(self.command).chain(arguments.map(String::as_str)))?.json
+        };
         // Files by their names, so that the folder can be moved.
         let names = |files: &Vec<Value>| files.iter().filter_map(name).map(Value::from).collect::<Value>();
         render["files"] = render["files"].as_array().map(names).unwrap_or_default();
@@ -107,6 +126,12 @@ fn name(file: &Value) -> Option<&str> {
     Path::new(file.as_str()?).file_name()?.to_str()
 }
 
+/// The program and the scene.
+fn made_of(entry: &Entry) -> String {
+    let scene = renderers::scene::builtin::source(entry.scene).map(|source| format!("{source:?}"));
+    format!("{} {:016x}", env!("CARGO_PKG_VERSION"), hash(&scene.unwrap_or_default()))
+}
+
 /// FNV-1a of 64 bits (G. Fowler, L. C. Noll, K.-P. Vo).
 fn hash(text: &str) -> u64 {
     text.bytes().fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3))
@@ -117,5 +142,11 @@ impl Done {
     pub(super) fn file(&self, end: &str) -> Option<&str> {
         let files = self.render["files"].as_array()?.iter().filter_map(Value::as_str);
         files.filter(|file| file.ends_with(end)).min_by_key(|file| file.len())
+    }
+
+    /// All files whose names end so.
+    pub(super) fn files<'d>(&'d self, end: &'d str) -> impl Iterator<Item = &'d str> {
+        let files = self.render["files"].as_array().into_iter().flatten().filter_map(Value::as_str);
+        files.filter(move |file| file.ends_with(end))
     }
 }

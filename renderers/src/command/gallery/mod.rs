@@ -53,6 +53,15 @@ pub(super) struct Shown {
 pub(super) struct Section {
     entry: &'static Entry,
     shown: Vec<Shown>,
+    maps: Vec<Mapped>,
+}
+
+/// Maps that were made together.
+pub(super) struct Mapped {
+    command: String,
+    /// Where they are, within the gallery.
+    folder: String,
+    done: Result<Done, String>,
 }
 
 /// Steps of the progress bar for each picture.
@@ -64,7 +73,7 @@ impl Arguments {
         let entries = chosen(&self.names)?;
         let figures = papers::figures().map_err(Failure)?;
         std::fs::create_dir_all(&self.out).map_err(|e| Failure(format!("{}: {e}", self.out.display())))?;
-        let pictures: usize = entries.iter().map(|entry| entry.modes.len()).sum();
+        let pictures: usize = entries.iter().map(|entry| entry.modes.len() + maps(entry).len()).sum();
         let bar = Progress::new("gallery", pictures as u64 * STEPS);
         let sections: Vec<_> = entries.into_iter().map(|entry| self.section(entry, &bar)).collect();
         drop(bar);
@@ -72,7 +81,7 @@ impl Arguments {
         let page = self.out.join("index.html");
         write_atomic(&page, |file| file.write_all(text.as_bytes()))?;
         let answer = summary(&sections, &page, start.elapsed().as_secs_f64());
-        let failed = sections.iter().flat_map(|section| &section.shown).any(Shown::has_failed);
+        let failed = sections.iter().any(|section| section.errors().next().is_some());
         Ok((answer, if failed { ExitCode::from(1) } else { ExitCode::SUCCESS }))
     }
 
@@ -98,7 +107,14 @@ impl Arguments {
                 shown.compared = Some(self.compare(entry, shown.mode, [&picture, reference]));
             }
         }
-        Section { entry, shown }
+        let map = |options: &&str| {
+            let job = Job::map(entry, options, quality, &self.out);
+            let share = Share::new(bar);
+            let done = job.run(self.fresh, &share).map_err(|Failure(line)| line);
+            share.finish();
+            Mapped { command: job.command(), folder: job.folder(&self.out), done }
+        };
+        Section { entry, shown, maps: maps(entry).iter().map(map).collect() }
     }
 
     fn compare(&self, entry: &Entry, mode: &str, [picture, reference]: [&Path; 2]) -> Result<Value, String> {
@@ -107,6 +123,11 @@ impl Arguments {
         let found = compare(picture, reference, &folder, &options).map_err(|e| e.to_string())?;
         serde_json::to_value(found).map_err(|e| e.to_string())
     }
+}
+
+/// What is mapped of an entry, by a program that can.
+fn maps(entry: &Entry) -> &'static [&'static str] {
+    if super::has_command("map") { entry.maps } else { &[] }
 }
 
 /// The entries of the scenes that are asked for.
@@ -120,11 +141,22 @@ fn chosen(names: &[String]) -> Result<Vec<&'static Entry>, Failure> {
     Ok(ENTRIES.iter().filter(is_asked_for).collect())
 }
 
-impl Shown {
-    fn has_failed(&self) -> bool {
-        self.error().is_some()
+impl Section {
+    /// What failed, by mode.
+    fn errors(&self) -> impl Iterator<Item = (&str, &str)> {
+        let of_modes = self.shown.iter().filter_map(|shown| Some((shown.mode, shown.error()?)));
+        let of_maps = self.maps.iter().filter_map(|maps| Some((plan::MAPS, maps.done.as_ref().err()?.as_str())));
+        of_modes.chain(of_maps)
     }
 
+    /// Everything that was made.
+    fn done(&self) -> impl Iterator<Item = &Done> {
+        let of_modes = self.shown.iter().filter_map(|shown| shown.done.as_ref().ok());
+        of_modes.chain(self.maps.iter().filter_map(|maps| maps.done.as_ref().ok()))
+    }
+}
+
+impl Shown {
     /// Why it isn't there, or isn't compared.
     fn error(&self) -> Option<&str> {
         let compared = self.compared.as_ref().and_then(|compared| compared.as_ref().err());
@@ -133,10 +165,13 @@ impl Shown {
 }
 
 fn summary(sections: &[Section], page: &Path, seconds: f64) -> Answer {
-    let all = || sections.iter().flat_map(|section| section.shown.iter().map(move |shown| (section.entry.name, shown)));
-    let failed: Vec<_> = all().filter_map(|(name, shown)| Some((name, shown.mode, shown.error()?))).collect();
-    let found = all().filter(|(_, shown)| shown.done.as_ref().is_ok_and(|done| done.found)).count();
-    let rendered = all().filter(|(_, shown)| shown.done.as_ref().is_ok_and(|done| !done.found)).count();
+    let of_section = |section: &Section| {
+        let name = section.entry.name.to_owned();
+        section.errors().map(|(mode, error)| (name.clone(), mode.to_owned(), error.to_owned())).collect::<Vec<_>>()
+    };
+    let failed: Vec<_> = sections.iter().flat_map(of_section).collect();
+    let found = sections.iter().flat_map(Section::done).filter(|done| done.found).count();
+    let rendered = sections.iter().flat_map(Section::done).filter(|done| !done.found).count();
     let mut text = format!("{rendered} pictures rendered, {found} found, {seconds:.1} s\n");
     for (name, mode, error) in &failed {
         text += &format!("failed: {name} {mode}: {error}\n");

@@ -4,7 +4,8 @@ use renderers::scene::builtin;
 use serde_json::Value;
 
 use super::papers::Figure;
-use super::{Section, Shown};
+use super::plan::MAPS;
+use super::{Mapped, Section, Shown};
 
 const STYLE: &str = "
 :root { color-scheme: light dark; }
@@ -47,7 +48,7 @@ pub(super) fn html(sections: &[Section], figures: &[Figure], quick: bool) -> Str
 }
 
 fn section(section: &Section, figures: &[Figure]) -> String {
-    let Section { entry, shown } = section;
+    let Section { entry, shown, maps } = section;
     let mut text = format!("<h2 id=\"{0}\">{0}</h2>\n", entry.name);
     if let Some((first, rest)) = description(entry.scene) {
         text += &format!("<p>{}</p>\n", escape(&first));
@@ -60,6 +61,9 @@ fn section(section: &Section, figures: &[Figure]) -> String {
     }
     text += "</div>\n";
     text += &table(section);
+    for maps in maps {
+        text += &mapped(entry.name, maps);
+    }
     let mut of_papers = entry.figures(figures).peekable();
     if of_papers.peek().is_some() {
         text += "<div class=\"wide\"><table><tr><th>paper</th><th>where</th><th>quantity</th><th>printed</th><th>here</th><th></th></tr>\n";
@@ -159,6 +163,29 @@ fn table(section: &Section) -> String {
     text + "</pre></details>\n"
 }
 
+/// Maps of lighting measures, with what they range over.
+fn mapped(entry: &str, maps: &Mapped) -> String {
+    let done = match &maps.done {
+        Ok(done) => done,
+        Err(error) => return format!("<p class=\"failed\">{MAPS}: {}</p>\n", escape(error)),
+    };
+    let mut text = String::from("<div class=\"pictures\">\n");
+    for file in done.files(".png") {
+        let source = format!("{}/{file}", maps.folder);
+        let image = format!("<img class=\"map\" src=\"{source}\" alt=\"{entry}, map: {file}\" loading=\"lazy\">");
+        text += &format!("<figure><a href=\"{source}\">{image}</a></figure>\n");
+    }
+    text += "</div>\n<div class=\"wide\"><table>\n";
+    text += "<tr><th>quantity</th><th>of</th><th>least</th><th>mean</th><th>largest</th><th>unit</th></tr>\n";
+    for map in done.render["maps"].as_array().into_iter().flatten() {
+        let word = |name: &str| format!("<td>{}</td>", escape(map[name].as_str().unwrap_or_default()));
+        let numbers = ["min", "mean", "max"].map(|name| format!("<td class=\"number\">{}</td>", number(&map[name], 3)));
+        text += &format!("<tr>{}{}{}{}</tr>\n", word("quantity"), word("of"), numbers.concat(), word("unit"));
+    }
+    text += "</table></div>\n";
+    text + "<details><summary>Command</summary><pre>" + &escape(&maps.command) + "</pre></details>\n"
+}
+
 /// A number as people read it; nothing where there is none.
 fn number(value: &Value, decimals: usize) -> String {
     match value.as_f64() {
@@ -169,11 +196,16 @@ fn number(value: &Value, decimals: usize) -> String {
 }
 
 fn compared_with_paper(section: &Section, figure: &Figure) -> String {
-    let shown = section.shown.iter().find(|shown| shown.mode == figure.mode);
-    let here = shown.and_then(|shown| {
+    let of_mode = |shown: &Shown| {
         let compared = shown.compared.as_ref().and_then(|compared| compared.as_ref().ok());
         figure.counterpart(&shown.done.as_ref().ok()?.render, compared)
-    });
+    };
+    let of_map = |maps: &Mapped| figure.counterpart(&maps.done.as_ref().ok()?.render, None);
+    let here = if figure.mode == MAPS {
+        section.maps.iter().find_map(of_map)
+    } else {
+        section.shown.iter().find(|shown| shown.mode == figure.mode).and_then(of_mode)
+    };
     let here = here.map_or_else(|| "–".to_owned(), significant);
     let words = [&figure.paper, &figure.place, &figure.quantity].map(|words| format!("<td>{}</td>", escape(words)));
     let printed = figure.published;

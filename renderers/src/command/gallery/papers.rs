@@ -63,6 +63,7 @@ impl Figure {
     ///
     /// - `render/…` and `compare/…`: a number in what `spectral render --json` and `spectral compare --json` say of the mode, the latter
     ///   of the mode and the reference;
+    /// - `map/QUANTITY/…`: a number in what `spectral map --json` says of a quantity;
     /// - `share A-B`: pixels with A to B intervals, in %;
     /// - `band-photons`: photons that were thrown for bands of waves, but for the first one, which has all waves;
     /// - `excess min` and `max`: extremes of how much too bright the mode is, relative to itself, in %.
@@ -82,6 +83,10 @@ impl Figure {
             let bands = render["photon_map"]["bands"].as_array()?;
             return Some(bands.iter().skip(1).filter_map(|band| band["photons"].as_f64()).sum());
         }
+        if let Some((quantity, number)) = self.value.strip_prefix("map/").and_then(|rest| rest.split_once('/')) {
+            let maps = render["maps"].as_array()?;
+            return maps.iter().find(|map| map["quantity"] == quantity)?[number].as_f64();
+        }
         let (from, pointer) = self.value.split_once('/')?;
         let object = if from == "render" { render } else { compare? };
         object.pointer(&format!("/{pointer}"))?.as_f64()
@@ -99,10 +104,12 @@ mod tests {
 
     #[test]
     fn counterparts_are_found() {
-        let render = json!({ "intervals": { "mean": 2.5, "histogram": [0, 1, 2, 3, 2] } });
+        let maps = json!([{ "quantity": "ra", "min": 60.0 }, { "quantity": "cct", "min": 3000.0 }]);
+        let render = json!({ "maps": maps, "intervals": { "mean": 2.5, "histogram": [0, 1, 2, 3, 2] } });
         let compare = json!({ "relative_brightness": { "min": -0.2, "max": 0.25 } });
         let of = |value: &str| figure(value).counterpart(&render, Some(&compare));
         assert_eq!(of("render/intervals/mean"), Some(2.5));
+        assert_eq!((of("map/cct/min"), of("map/duv/min")), (Some(3000.0), None));
         assert_eq!(of("share 2-3"), Some(62.5));
         assert!((of("excess max").unwrap() - 20.0).abs() <= 1e-12);
         assert!((of("excess min").unwrap() + 25.0).abs() <= 1e-12);

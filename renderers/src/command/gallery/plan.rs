@@ -26,7 +26,12 @@ pub(super) struct Entry {
     pub(super) modes: &'static [Mode],
     /// The mode that the others are compared with, by name.
     pub(super) reference: &'static str,
+    /// What of its light is mapped: options of `spectral map`.
+    pub(super) maps: &'static [&'static str],
 }
+
+/// Where the maps of an entry are, beside its modes.
+pub(super) const MAPS: &str = "maps";
 
 impl Entry {
     /// The numbers of papers that belong to it.
@@ -91,8 +96,15 @@ const PHOTONS: &[Mode] = &[
     mode("uniform-24", "--renderer photon-map --between ambient --spectra uniform:24"),
 ];
 
+/// What light does to people and plants: what the eye gets, and what leaves do.
+const LIFE: &[&str] = &["--quantity acv,melanopic --of radiance", "--quantity sy"];
+
 const fn entry(name: &'static str, exposure: f32, modes: &'static [Mode], reference: &'static str) -> Entry {
-    Entry { name, scene: name, options: &[], photons: None, exposure, modes, reference }
+    Entry { name, scene: name, options: &[], photons: None, exposure, modes, reference, maps: &[] }
+}
+
+const fn mapped(entry: Entry, maps: &'static [&'static str]) -> Entry {
+    Entry { maps, ..entry }
 }
 
 const fn with_photons(entry: Entry, photons: u32) -> Entry {
@@ -115,11 +127,11 @@ pub(super) const ENTRIES: &[Entry] = &[
     entry("cie-171-5-8", 1500.0, GREY, "uniform-81"),
     entry("furnace", 0.5, GREY, "uniform-81"),
     entry("lounge", 1.0, ALL_LIGHT, "uniform-81"),
-    entry("neumann-schanda", 1.0, ALL_LIGHT, "uniform-81"),
+    mapped(entry("neumann-schanda", 1.0, ALL_LIGHT, "uniform-81"), &["--quantity cct,ra"]),
     entry("fluorescent-spheres", 600.0, ALL_LIGHT, "uniform-81"),
-    entry("cri-room", 500.0, ALL_LIGHT, "uniform-81"),
-    entry("seminar-room", 800.0, ALL_LIGHT, "uniform-81"),
-    entry("office", 150.0, ALL_LIGHT, "uniform-81"),
+    mapped(entry("cri-room", 500.0, ALL_LIGHT, "uniform-81"), &["--quantity illuminance,cct,ra,cri00"]),
+    mapped(entry("seminar-room", 800.0, ALL_LIGHT, "uniform-81"), &["--quantity illuminance,cct,cri00"]),
+    mapped(entry("office", 150.0, ALL_LIGHT, "uniform-81"), LIFE),
     Entry {
         name: "office-workplace",
         scene: "office",
@@ -128,6 +140,7 @@ pub(super) const ENTRIES: &[Entry] = &[
         exposure: 150.0,
         modes: ALL_LIGHT,
         reference: "uniform-81",
+        maps: LIFE,
     },
 ];
 
@@ -156,7 +169,8 @@ mod tests {
         for figure in &figures {
             let entry = ENTRIES.iter().find(|entry| entry.name == figure.entry);
             let modes = entry.map(|entry| entry.modes).unwrap_or_default();
-            assert!(modes.iter().any(|mode| mode.name == figure.mode), "{figure:?}");
+            let is_map = figure.mode == MAPS && entry.is_some_and(|entry| !entry.maps.is_empty());
+            assert!(is_map || modes.iter().any(|mode| mode.name == figure.mode), "{figure:?}");
         }
     }
 }
