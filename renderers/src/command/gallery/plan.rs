@@ -122,7 +122,7 @@ pub(super) const ENTRIES: &[Entry] = &[
     with_photons(entry("caustic-ring", 1.0, PHOTONS, "uniform-24"), 37_004),
     with_photons(entry("caustic-ring-mirror", 1.0, PHOTONS, "uniform-24"), 37_004),
     with_photons(entry("prism", 1.0, PHOTONS, "uniform-24"), 40_558),
-    with_photons(entry("prism-lamp", 1.0, PHOTONS, "uniform-24"), 40_558),
+    with_photons(entry("prism-lamp", 1.0, PHOTONS, "uniform-24"), 10_000),
     entry("grazing", 1.0, SPECULAR, "uniform-81"),
     entry("cie-171-5-8", 1500.0, GREY, "uniform-81"),
     entry("furnace", 0.5, GREY, "uniform-81"),
