@@ -11,6 +11,7 @@ pub mod illuminance;
 pub mod image;
 pub mod light;
 pub mod luminaire;
+pub mod map;
 mod material;
 pub mod path;
 pub mod photon;

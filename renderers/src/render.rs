@@ -18,6 +18,7 @@ use crate::spectral::{IntervalMemory, IntervalSettings, Intervals, Palette, Reso
 use crate::whitted::{RenderError, Whitted};
 
 pub use between::BetweenReport;
+pub(crate) use between::build as build_radiosity;
 pub use gather::{Between, GatherOptions, GatherReport};
 use passes::{Frame, Pixels};
 use photons::Thrower;
@@ -139,6 +140,14 @@ pub trait Watch: Sync {
     fn add(&self, steps: u64);
 }
 
+/// Takes the spectra of pixels, from any thread.
+pub trait SpectrumSink: Sync {
+    /// Column and row of a pixel, and its spectrum: a number for each bin of the representation, in the unit of the lights' radiance.
+    ///
+    /// Renderers that average several pictures say so by a share below 1: a pixel's spectrum is the sum of shares times spectra.
+    fn pixel(&self, at: [usize; 2], spectrum: &[f64], share: f64);
+}
+
 /// Pixels alone are watched.
 struct Pixelwise<'p> {
     progress: &'p (dyn Fn(usize) + Sync),
@@ -174,6 +183,39 @@ pub fn render(scene: &Scene, options: &Options, progress: &(dyn Fn(usize) + Sync
 /// # Errors
 /// What the scene asks for and this renderer can't do.
 pub fn render_watched(scene: &Scene, options: &Options, watch: &dyn Watch) -> Result<Rendering, RenderError> {
+    render_into(scene, options, watch, None)
+}
+
+/// The same, with the spectra of all pixels.
+///
+/// # Errors
+/// What the scene asks for and this renderer can't do; spectra that aren't bins or wavelengths; the path tracer, which keeps none.
+pub fn render_spectra(
+    scene: &Scene,
+    options: &Options,
+    watch: &dyn Watch,
+    sink: &dyn SpectrumSink,
+) -> Result<Rendering, RenderError> {
+    if !matches!(options.spectra, Spectra::Uniform(_) | Spectra::Wavelengths(_)) {
+        return Err(RenderError::new(format!(
+            "pixels have spectra with bins or wavelengths, not with {}",
+            options.spectra
+        )));
+    }
+    if options.renderer == Renderer::Path {
+        return Err(RenderError::new(
+            "the path tracer keeps colours, not spectra: choose whitted, radiosity or photon-map",
+        ));
+    }
+    render_into(scene, options, watch, Some(sink))
+}
+
+fn render_into(
+    scene: &Scene,
+    options: &Options,
+    watch: &dyn Watch,
+    sink: Option<&dyn SpectrumSink>,
+) -> Result<Rendering, RenderError> {
     let size = options.size.unwrap_or([scene.film.width, scene.film.height]);
     check_area(size)?;
     if options.renderer == Renderer::Path {
@@ -197,6 +239,7 @@ pub fn render_watched(scene: &Scene, options: &Options, watch: &dyn Watch) -> Re
         indirect: None,
         thrower: None,
         watch,
+        sink,
     };
     let (size, samples) = (frame.size, frame.samples);
     let has_photons = options.renderer == Renderer::PhotonMap;

@@ -8,6 +8,7 @@ mod gallery;
 mod gather;
 mod illuminance;
 mod light;
+mod map;
 mod photons;
 mod relight;
 mod render;
@@ -51,6 +52,8 @@ enum Command {
     Brdf(brdf::Arguments),
     /// Illuminance at points of a scene.
     Illuminance(illuminance::Arguments),
+    /// Lighting measures in every pixel of a scene: illuminance, colour temperature, colour rendering, action factors.
+    Map(map::Arguments),
     /// List the built-in scenes, or write one out as files for other renderers.
     Scene(scene::Arguments),
     /// Analytic test cases for illuminance: judge this project, or write them for other programs and judge those.
@@ -160,6 +163,7 @@ fn dispatch(arguments: Arguments) -> Result<(Answer, ExitCode), Failure> {
         Command::Light(light) => light.run(),
         Command::Brdf(brdf) => brdf.run(),
         Command::Illuminance(illuminance) => illuminance.run(),
+        Command::Map(map) => map.run(),
         Command::Scene(scene) => scene.run(),
     }?;
     Ok((answer, ExitCode::SUCCESS))
@@ -180,7 +184,7 @@ mod tests {
         for (arguments, expected) in [
             (
                 &[][..],
-                "'spectral' requires a subcommand but one was not provided [subcommands: render, compare, relight, gallery, light, brdf, illuminance, scene, verify, trade, help]",
+                "'spectral' requires a subcommand but one was not provided [subcommands: render, compare, relight, gallery, light, brdf, illuminance, map, scene, verify, trade, help]",
             ),
             (
                 &["render", "--sise", "4x4"],

@@ -1,16 +1,18 @@
 //! `spectral render`: a scene to pictures.
 
 use std::path::{Path, PathBuf};
-use std::sync::RwLock;
+use std::sync::{Mutex, RwLock};
 
 use clap::{Args, ValueEnum};
-use renderers::image::{FalseColour, Picture, ScalarMap, Scale, write_exr, write_png};
+use renderers::image::{
+    FalseColour, Picture, ScalarMap, Scale, SpectralPicture, write_exr, write_hdr, write_png, write_spectral_exr,
+};
 use renderers::path;
 use renderers::progress::Progress;
-use renderers::render::{self, BetweenOptions, BetweenReport, Options, Rendering, Spectra, Watch};
+use renderers::render::{self, BetweenOptions, BetweenReport, Options, Rendering, Spectra, SpectrumSink, Watch};
 use renderers::report::{ChartLabels, Histogram, Table};
 use renderers::scene::{self, Scene, builtin};
-use renderers::spectral::{Functional, IntervalSettings, Steering};
+use renderers::spectral::{Functional, IntervalSettings, Palette, Steering, UniformBins};
 use serde_json::json;
 use spectral_core::adaptive::Mode;
 use spectral_core::colour::rgb::linear_rgb_to_xyz;
@@ -21,7 +23,7 @@ use super::{Answer, Failure};
 
 /// The most pixels along a side, and rays in a pixel, that are taken for meant.
 const MAX_SIDE: u32 = 16_384;
-const MAX_SAMPLES: u32 = 65_536;
+pub(super) const MAX_SAMPLES: u32 = 65_536;
 
 /// Bins of spectra that paths carry, by default: 4.9 nm each.
 const PATH_BINS: usize = 81;
@@ -75,6 +77,14 @@ pub(super) struct Arguments {
     /// Path tracing goes on from this file if it is there, up to --spp samples altogether, and keeps its state in it.
     #[arg(long, value_name = "FILE")]
     resume: Option<PathBuf>,
+    /// Write the picture as a Radiance file, too: linear RGB with a common exponent, negative values cut off.
+    #[arg(long)]
+    hdr: bool,
+    /// Write spectral radiances, W/(m² sr nm), as an EXR in the layout of Fichet et al. 2021, too: at every so many nm from 380 to 780 (5nm if
+    /// nothing is said; lights with finer tables by means over as many nm), or N means over equal parts of 380–780 nm. With --spectra uniform:N it
+    /// has those N means; other spectra are rendered besides.
+    #[arg(long, value_name = "STEPnm|N", value_parser = parse_channels, num_args = 0..=1, default_missing_value = "5nm")]
+    spectral_exr: Option<Channels>,
     /// Folder for the pictures; made if it isn't there.
     #[arg(long, value_name = "DIR", default_value = "out")]
     out: PathBuf,
@@ -93,6 +103,15 @@ enum Renderer {
     PhotonMap,
     /// All light, without bias, by paths at random: the ground truth.
     Path,
+}
+
+/// Channels of a spectral EXR.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Channels {
+    /// Values at every so many nm.
+    Step(u16),
+    /// So many means.
+    Means(usize),
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -144,7 +163,17 @@ fn parse_steering(text: &str) -> Result<Steering, String> {
     steering.ok_or_else(|| "expected brightness, constant or intensity, or two of them with a comma between".to_owned())
 }
 
-fn parse_size(text: &str) -> Result<[u32; 2], String> {
+fn parse_channels(text: &str) -> Result<Channels, String> {
+    let step = |text: &str| text.parse().ok().filter(|step| (1..=40).contains(step) && 400 % step == 0);
+    let means = || text.parse().ok().filter(|n| (1..=1000).contains(n));
+    match text.strip_suffix("nm") {
+        Some(step_text) => step(step_text).map(Channels::Step),
+        None => means().map(Channels::Means),
+    }
+    .ok_or_else(|| "expected a step that divides 400 nm, such as 5nm, or a number of means from 1 to 1000".to_owned())
+}
+
+pub(super) fn parse_size(text: &str) -> Result<[u32; 2], String> {
     let side = |s: &str| s.parse().ok().filter(|n| (1..=MAX_SIDE).contains(n));
     let size = text.split_once('x').and_then(|(w, h)| Some([side(w)?, side(h)?]));
     size.ok_or_else(|| format!("expected WIDTHxHEIGHT, each from 1 to {MAX_SIDE}"))
@@ -166,6 +195,7 @@ impl Arguments {
         let scene = self.load()?;
         make_folder(&self.out)?;
         let warnings = super::warn(&scene);
+        let spectral = self.spectral(&scene, &options)?;
         let rendering = match &self.resume {
             Some(file) if self.renderer == Renderer::Path => {
                 let [width, height] = options.size.unwrap_or([scene.film.width, scene.film.height]);
@@ -173,12 +203,43 @@ impl Arguments {
                 let run = path::Run { state: Some(file), ..path::Run::default() };
                 path::render(&scene, &options, run, &|pixels| watch.add(pixels as u64))
             }
-            _ => render::render_watched(&scene, &options, watch),
+            _ => match &spectral {
+                Some(spectral) if spectral.spectra == options.spectra => {
+                    render::render_spectra(&scene, &options, watch, spectral)
+                }
+                _ => render::render_watched(&scene, &options, watch),
+            },
         }
         .map_err(|e| Failure(format!("{}: {e}", self.scene)))?;
+        if let Some(spectral) = spectral.as_ref().filter(|spectral| spectral.spectra != options.spectra) {
+            let options = Options { spectra: spectral.spectra, ..options };
+            render::render_spectra(&scene, &options, watch, spectral)
+                .map_err(|e| Failure(format!("{}: {e}", self.scene)))?;
+        }
         let report = Report { warnings, ..Report::new(&scene, &options, &rendering, self.threshold()) };
-        let files = self.write(&report, &rendering)?;
+        let mut files = self.write(&report, &rendering)?;
+        if let Some(spectral) = spectral {
+            files.push(self.out.join(format!("{}-spectral.exr", self.stem(&report))));
+            spectral.write(files.last().unwrap_or(&self.out), &rendering.picture, &report)?;
+        }
         Ok(report.answer(&files))
+    }
+
+    /// A place for the spectra of pixels, if they are wanted.
+    fn spectral(&self, scene: &Scene, options: &Options) -> Result<Option<Spectral>, Failure> {
+        let Some(channels) = self.spectral_exr else { return Ok(None) };
+        if self.renderer == Renderer::Path {
+            return Err(Failure(
+                "--spectral-exr is not for --renderer path, which keeps colours, not spectra".to_owned(),
+            ));
+        }
+        let spectra = match (options.spectra, channels) {
+            (Spectra::Uniform(count), _) => Spectra::Uniform(count),
+            (_, Channels::Means(count)) => Spectra::Uniform(count),
+            (_, Channels::Step(step)) => Spectra::Wavelengths(step),
+        };
+        let [width, height] = options.size.unwrap_or([scene.film.width, scene.film.height]).map(|s| s as usize);
+        Ok(Some(Spectral::new(spectra, [width, height])?))
     }
 
     fn options(&self) -> Result<Options, Failure> {
@@ -257,8 +318,8 @@ impl Arguments {
         Ok(scene::load(&scene::Source::disk(&self.scene), &self.define)?)
     }
 
-    /// Writes all pictures and returns their names.
-    fn write(&self, report: &Report, rendering: &Rendering) -> Result<Vec<PathBuf>, Failure> {
+    /// What files are named after.
+    fn stem(&self, report: &Report) -> String {
         let bound = match (self.representation(), self.bound) {
             (Representation::Interval, Some(Bound::Paper)) => "-paper",
             (Representation::Interval, Some(Bound::Corrected)) => "-corrected",
@@ -270,7 +331,12 @@ impl Arguments {
             Renderer::PhotonMap => "-photon-map",
             Renderer::Path => "-path",
         };
-        let stem = format!("{}{renderer}-{}{bound}", report.scene, report.spectra.replace(':', ""));
+        format!("{}{renderer}-{}{bound}", report.scene, report.spectra.replace(':', ""))
+    }
+
+    /// Writes all pictures and returns their names.
+    fn write(&self, report: &Report, rendering: &Rendering) -> Result<Vec<PathBuf>, Failure> {
+        let stem = self.stem(report);
         let mut files = Vec::new();
         let mut file = |suffix: &str| {
             files.push(self.out.join(format!("{stem}{suffix}")));
@@ -282,6 +348,9 @@ impl Arguments {
         channels.extend(rendering.path_delta_e.as_ref().map(|map| ("delta_e.path", map)));
         channels.extend(rendering.photon_delta_e.as_ref().map(|map| ("delta_e.photons", map)));
         write_exr(&file(".exr"), &rendering.picture, &channels, &[])?;
+        if self.hdr {
+            write_hdr(&file(".hdr"), &rendering.picture)?;
+        }
         if let Some(variance) = &rendering.variance {
             write_exr(&file("-variance.exr"), &variance.rgb, &[("Y", &variance.luminance)], &[])?;
         }
@@ -302,13 +371,54 @@ impl Arguments {
     }
 }
 
-fn make_folder(folder: &Path) -> Result<(), Failure> {
+pub(super) fn make_folder(folder: &Path) -> Result<(), Failure> {
     std::fs::create_dir_all(folder).map_err(|e| Failure(format!("{}: {e}", folder.display())))
+}
+
+/// Spectra of pixels as they come.
+struct Spectral {
+    spectra: Spectra,
+    picture: Mutex<SpectralPicture>,
+}
+
+impl Spectral {
+    fn new(spectra: Spectra, [width, height]: [usize; 2]) -> Result<Self, Failure> {
+        let no_light = Palette::default();
+        let bins = match spectra {
+            Spectra::Wavelengths(step) => UniformBins::at_wavelengths(&no_light, step),
+            Spectra::Uniform(count) => UniformBins::new(&no_light, count),
+            _ => Err(format!("no spectra with {spectra}")),
+        };
+        let picture = SpectralPicture::black(width, height, bins.map_err(Failure)?.wavelengths())?;
+        Ok(Self { spectra, picture: Mutex::new(picture) })
+    }
+
+    fn write(self, file: &Path, preview: &Picture, report: &Report) -> Result<(), Failure> {
+        let picture = self.picture.into_inner().map_err(|_| Failure("a thread has failed".to_owned()))?;
+        let channels = match self.spectra {
+            Spectra::Wavelengths(step) => format!("values at every {step} nm"),
+            _ => "means over equal parts of 380 to 780 nm, named after their middles".to_owned(),
+        };
+        let said = [
+            ("channelContents", channels.as_str()),
+            ("spectralUnit", "W.m^-2.sr^-1.nm^-1"),
+            ("renderer", &report.renderer),
+        ];
+        Ok(write_spectral_exr(file, picture, preview, &said)?)
+    }
+}
+
+impl SpectrumSink for Spectral {
+    fn pixel(&self, at: [usize; 2], spectrum: &[f64], share: f64) {
+        if let Ok(mut picture) = self.picture.lock() {
+            picture.add(at, spectrum, share);
+        }
+    }
 }
 
 /// A progress bar for each stage.
 #[derive(Default)]
-struct Bars(RwLock<Option<Progress>>);
+pub(super) struct Bars(RwLock<Option<Progress>>);
 
 impl Watch for Bars {
     fn stage(&self, name: &str, steps: u64) {

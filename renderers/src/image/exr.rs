@@ -49,7 +49,11 @@ pub fn write_exr(
         check_channel(path, picture, &name.to_string(), map)?;
         list.push((name, map.pixels().to_vec()));
     }
-    let image = layered(picture, list, checked_attributes(path, attributes)?);
+    let size = [picture.width(), picture.height()];
+    write_image(path, &layered(size, list, checked_attributes(path, attributes)?))
+}
+
+fn write_image(path: &Path, image: &FlatImage) -> Result<(), ImageError> {
     write_atomic(path, |file| {
         image.write().to_buffered(file).map_err(|error| match error {
             Codec::Io(source) => source,
@@ -59,12 +63,46 @@ pub fn write_exr(
     })
 }
 
+/// Writes channels without colours as `OpenEXR`, in 32-bit floats, bit for bit, compressed without loss (ZIP): numbers that are not finite,
+/// too, of which NaN says that there is no value.
+///
+/// # Errors
+/// [`ImageError::ChannelSize`]; [`ImageError::Name`]; [`ImageError::Size`] without channels; [`ImageError::Io`].
+pub fn write_exr_channels(
+    path: &Path,
+    channels: &[(&str, &ScalarMap)],
+    attributes: &[(&str, &str)],
+) -> Result<(), ImageError> {
+    let Some((_, first)) = channels.first() else { return Err(ImageError::Size { width: 0, height: 0 }) };
+    let size = [first.width(), first.height()];
+    if let Some((name, _)) = channels.iter().find(|(_, map)| !first.same_size(map)) {
+        return Err(ImageError::ChannelSize { file: path.to_owned(), channel: (*name).to_owned() });
+    }
+    let channels = channels.iter().map(|(name, map)| ((*name).to_owned(), (*map).clone())).collect();
+    write_layer(path, size, channels, attributes)
+}
+
+/// Writes channels that are all of one size.
+pub(super) fn write_layer(
+    path: &Path,
+    size: [usize; 2],
+    channels: Vec<(String, ScalarMap)>,
+    attributes: &[(&str, &str)],
+) -> Result<(), ImageError> {
+    let mut list: Vec<(Text, Vec<f32>)> = Vec::with_capacity(channels.len());
+    for (name, map) in channels {
+        let name = checked_name(path, &name, list.iter().map(|(other, _)| other))?;
+        list.push((name, map.into_pixels()));
+    }
+    write_image(path, &layered(size, list, checked_attributes(path, attributes)?))
+}
+
 type FlatImage = Image<Layer<AnyChannels<FlatSamples>>>;
 
-fn layered(picture: &Picture, channels: Vec<(Text, Vec<f32>)>, own: LayerAttributes) -> FlatImage {
+fn layered([width, height]: [usize; 2], channels: Vec<(Text, Vec<f32>)>, own: LayerAttributes) -> FlatImage {
     let channels =
         channels.into_iter().map(|(name, samples)| AnyChannel::new(name, FlatSamples::F32(samples))).collect();
-    let size = Vec2(picture.width(), picture.height());
+    let size = Vec2(width, height);
     // Sixteen rows a block: a good ratio, and other readers know it.
     let layer = Layer::new(size, own, Encoding::SMALL_LOSSLESS, AnyChannels::sort(channels));
     let mut image = Image::from_layer(layer);
@@ -145,6 +183,30 @@ fn checked_attributes(file: &Path, attributes: &[(&str, &str)]) -> Result<LayerA
 /// [`ImageError::Io`]; [`ImageError::Malformed`]; [`ImageError::Unsupported`] (deep data, subsampled channels);
 /// [`ImageError::MissingChannel`] if `R`, `G` or `B` is not there; [`ImageError::Size`]; [`ImageError::NotFinite`].
 pub fn read_exr(path: &Path) -> Result<ExrPicture, ImageError> {
+    let Channels { mut channels, attributes, .. } = read_channels(path)?;
+    let picture = colours(path, &mut channels)?;
+    for (name, map) in &channels {
+        check_channel(path, &picture, name, map)?;
+    }
+    Ok(ExrPicture { picture, channels, attributes })
+}
+
+/// The channels of an `OpenEXR` file.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Channels {
+    /// Pixels in a row, and rows.
+    pub size: [usize; 2],
+    /// All channels with their names, in the file's (alphabetical) order.
+    pub channels: Vec<(String, ScalarMap)>,
+    /// The attributes that are texts, with their names, sorted.
+    pub attributes: Vec<(String, String)>,
+}
+
+/// Reads the channels of an `OpenEXR` file as [`read_exr`] does, whichever they are, and numbers that are not finite, too.
+///
+/// # Errors
+/// As [`read_exr`], but for missing channels and numbers that are not finite.
+pub fn read_channels(path: &Path) -> Result<Channels, ImageError> {
     let image = decode(path)?;
     let Layer { channel_data, attributes, size, .. } = image.layer_data;
     let mut channels = Vec::with_capacity(channel_data.list.len());
@@ -159,12 +221,11 @@ pub fn read_exr(path: &Path) -> Result<ExrPicture, ImageError> {
         };
         channels.push((name, ScalarMap::from_pixels(size.width(), size.height(), samples)?));
     }
-    let picture = colours(path, &mut channels)?;
-    for (name, map) in &channels {
-        check_channel(path, &picture, name, map)?;
-    }
-    Ok(ExrPicture { picture, channels, attributes: texts(&attributes) })
+    Ok(Channels { size: [size.width(), size.height()], channels, attributes: texts(&attributes) })
 }
+
+/// How many bytes of pixels a byte of a file can stand for at most: ZIP has 1032.
+const MOST_COMPRESSED: u64 = 4096;
 
 fn decode(path: &Path) -> Result<FlatImage, ImageError> {
     let refuse = |error| match error {
@@ -174,8 +235,13 @@ fn decode(path: &Path) -> Result<FlatImage, ImageError> {
     };
     // The header first: sizes are checked before memory is asked for.
     let meta = ::exr::meta::MetaData::read_from_file(path, false).map_err(refuse)?;
+    let length = std::fs::metadata(path).map_err(|source| ImageError::io(path, source))?.len();
     for header in &meta.headers {
-        area(header.layer_size.width(), header.layer_size.height())?;
+        let pixels = area(header.layer_size.width(), header.layer_size.height())? as u64;
+        let bytes = pixels.saturating_mul(header.channels.bytes_per_pixel as u64);
+        if bytes > length.saturating_mul(MOST_COMPRESSED).saturating_add(1 << 20) {
+            return Err(ImageError::malformed(path, format_args!("{length} bytes can't hold {bytes} bytes of pixels")));
+        }
     }
     read()
         .no_deep_data()

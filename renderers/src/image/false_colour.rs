@@ -1,6 +1,8 @@
 //! Maps of numbers drawn in false colour, with a legend.
 
+use super::contours::{contours, smoothed};
 use super::{Anchor, Canvas, ImageError, Palette, Rgb8, ScalarMap, Scale, Tick, ticks};
+use spectral_core::colour::{linear_rgb_to_xyz, srgb8_to_linear_rgb};
 use std::path::Path;
 
 /// How a palette is divided.
@@ -29,6 +31,14 @@ pub struct FalseColour<'a> {
     pub levels: Levels,
     /// The colours.
     pub palette: Palette,
+    /// What a number that is not finite says: it is grey then, and the legend names it; `None`: nothing, and it is magenta.
+    pub missing: Option<&'a str>,
+    /// Whether lines are drawn at the legend's numbers, labelled where there is room.
+    pub contours: bool,
+    /// A line below the picture; empty for none.
+    pub caption: &'a str,
+    /// The height of capitals in pixels, by which margins go.
+    pub text: f32,
 }
 
 /// Numbers that are not finite.
@@ -36,11 +46,15 @@ const NOT_A_NUMBER: Rgb8 = [255, 0, 255];
 const GROUND: Rgb8 = [255, 255, 255];
 const INK: Rgb8 = [30, 30, 30];
 
-const MARGIN: usize = 16;
-const HEADING: usize = 24;
+/// Pixels where there is no value.
+const MISSING: Rgb8 = [160, 160, 160];
+
 /// Height of capitals.
 const TEXT: f32 = 10.0;
-const BAR: usize = 22;
+/// In heights of capitals.
+const MARGIN: f32 = 1.6;
+const HEADING: f32 = 2.4;
+const BAR: f32 = 2.2;
 /// Smaller pictures are magnified, a whole number of times, up to this size.
 const SHOWN: usize = 256;
 
@@ -48,7 +62,17 @@ impl<'a> FalseColour<'a> {
     /// A continuous linear map in [`Palette::Viridis`] from `low` to `high`.
     #[must_use]
     pub fn new(title: &'a str, low: f64, high: f64) -> Self {
-        Self { title, range: (low, high), scale: Scale::Linear, levels: Levels::Continuous, palette: Palette::Viridis }
+        Self {
+            title,
+            range: (low, high),
+            scale: Scale::Linear,
+            levels: Levels::Continuous,
+            palette: Palette::Viridis,
+            missing: None,
+            contours: false,
+            caption: "",
+            text: TEXT,
+        }
     }
 
     /// A map of counts from the least to the largest in `map`.
@@ -73,7 +97,7 @@ impl<'a> FalseColour<'a> {
 
     /// Writes a map as PNG: heading, picture, and a legend to the right of it.
     ///
-    /// Numbers that are not finite are magenta, which no palette has. Pictures under 256 pixels are magnified a
+    /// Numbers that are not finite are magenta, which no palette has, unless they mean something. Pictures under 256 pixels are magnified a
     /// whole number of times.
     ///
     /// # Errors
@@ -92,12 +116,20 @@ impl<'a> FalseColour<'a> {
         let magnification = (SHOWN / map.width().max(map.height())).max(1);
         let (width, height) = (map.width() * magnification, map.height() * magnification);
         let bar_height = height.max(SHOWN / 2);
-        let bar_left = MARGIN + width + MARGIN;
-        let needed = (bar_left + legend.width()).max(2 * MARGIN + pixels(Canvas::text_width(self.title, TEXT)));
-        let mut canvas = Canvas::new(needed, HEADING + MARGIN + bar_height + MARGIN, GROUND)?;
-        canvas.text(self.title, [position(MARGIN), position(HEADING)], TEXT, Anchor::Start, INK);
-        let top = HEADING + MARGIN;
-        canvas.picture(&map.map(|&value| legend.colour(f64::from(value))), MARGIN, top, magnification);
+        let [margin, heading] = [MARGIN, HEADING].map(|length| pixels(length * self.text));
+        let bar_left = margin + width + margin;
+        let words = [self.title, self.caption].map(|words| pixels(Canvas::text_width(words, self.text)));
+        let needed = (bar_left + legend.width()).max(2 * margin + words[0].max(words[1]));
+        let top = heading + margin;
+        let foot = if self.caption.is_empty() { margin } else { margin + heading };
+        let mut canvas = Canvas::new(needed, top + bar_height + foot, GROUND)?;
+        canvas.text(self.title, [position(margin), position(heading)], self.text, Anchor::Start, INK);
+        canvas.picture(&map.map(|&value| legend.colour(f64::from(value))), margin, top, magnification);
+        if self.contours {
+            legend.draw_contours(&mut canvas, map, [margin, top], magnification);
+        }
+        let below = position(top + bar_height + foot) - 1.4 * self.text;
+        canvas.text(self.caption, [position(margin), below], self.text, Anchor::Start, INK);
         legend.draw(&mut canvas, bar_left, top, bar_height);
         Ok(canvas)
     }
@@ -132,6 +164,10 @@ struct Legend {
     /// One colour for each equal part of the scale.
     colours: Vec<Rgb8>,
     ticks: Vec<Tick>,
+    /// What numbers that are not finite say, and their colour.
+    missing: Option<String>,
+    /// The height of capitals.
+    text: f32,
 }
 
 /// Colours of a palette without visible steps.
@@ -148,6 +184,8 @@ impl Legend {
             Levels::Continuous => Self::graded(style, SMOOTH)?,
         };
         legend.mark_cut_ends(map);
+        let some_missing = map.pixels().iter().any(|value| !value.is_finite());
+        legend.missing = style.missing.map(|words| if some_missing { words.to_owned() } else { String::new() });
         Ok(legend)
     }
 
@@ -155,7 +193,8 @@ impl Legend {
         let (low, high) = style.range;
         style.scale.check(low, high)?;
         let ticks = ticks(style.scale, low, high, 6);
-        Ok(Self { scale: style.scale, low, high, colours: style.palette.steps(count), ticks })
+        let colours = style.palette.steps(count);
+        Ok(Self { scale: style.scale, low, high, colours, ticks, missing: None, text: style.text })
     }
 
     /// Each whole number in the middle of its part of the scale.
@@ -166,7 +205,8 @@ impl Legend {
         if top - bottom > f64::from(limit) {
             let ticks = ticks(Scale::Linear, bottom, top, 6).into_iter().filter(|t| t.value.fract() == 0.0).collect();
             let colours = style.palette.steps(SMOOTH);
-            return Ok(Self { scale: Scale::Linear, low: bottom, high: top, colours, ticks });
+            let (scale, low, high, text) = (Scale::Linear, bottom, top, style.text);
+            return Ok(Self { scale, low, high, colours, ticks, missing: None, text });
         }
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "between 1 and 16")]
         let count = (top - bottom) as usize;
@@ -174,7 +214,8 @@ impl Legend {
             .map(|k| bottom + 0.5 + f64::from(position(k)))
             .map(|value| Tick { value, label: format!("{value:.0}") })
             .collect();
-        Ok(Self { scale: Scale::Linear, low: bottom, high: top, colours: style.palette.steps(count), ticks })
+        let (scale, colours, text) = (Scale::Linear, style.palette.steps(count), style.text);
+        Ok(Self { scale, low: bottom, high: top, colours, ticks, missing: None, text })
     }
 
     /// Labels the ends of the scale with ≤ and ≥ where numbers of the map lie beyond them.
@@ -197,7 +238,7 @@ impl Legend {
     fn colour(&self, value: f64) -> Rgb8 {
         // Signs of infinity are numbers beyond the ends only in the scale's own sense (the logarithm of zero).
         if !value.is_finite() {
-            return NOT_A_NUMBER;
+            return if self.missing.is_some() { MISSING } else { NOT_A_NUMBER };
         }
         let count = self.colours.len();
         let part = self.scale.fraction(value, self.low, self.high).clamp(0.0, 1.0) * f64::from(position(count));
@@ -207,28 +248,116 @@ impl Legend {
     }
 
     fn width(&self) -> usize {
-        let text = self.ticks.iter().map(|tick| Canvas::text_width(&tick.label, TEXT)).fold(0.0, f32::max);
-        BAR + 10 + pixels(text) + MARGIN
+        let labels = self.ticks.iter().map(|tick| tick.label.as_str()).chain(self.missing.as_deref());
+        let text = labels.map(|label| Canvas::text_width(label, self.text)).fold(0.0, f32::max);
+        pixels((BAR + 1.0 + MARGIN) * self.text + text)
     }
 
     /// The bar, low at the bottom, with its marks.
     fn draw(&self, canvas: &mut Canvas, left: usize, top: usize, height: usize) {
-        let (x, y) = (position(left), position(top));
+        let (x, y, text) = (position(left), position(top), self.text);
+        let height = match self.missing.as_deref() {
+            None | Some("") => height,
+            Some(words) => {
+                // Below the bar.
+                let box_top = y + position(height) - BAR * text;
+                canvas.rectangle([x, box_top, BAR * text, BAR * text], MISSING);
+                canvas.text(words, [x + (BAR + 0.9) * text, box_top + 1.6 * text], text, Anchor::Start, INK);
+                height.saturating_sub(pixels((BAR + 1.2) * text)).max(1)
+            }
+        };
         for row in 0..height {
             let fraction = (f64::from(position(height - row)) - 0.5) / f64::from(position(height));
             let colour = self.colour(self.scale.value(fraction, self.low, self.high));
-            canvas.rectangle([x, position(top + row), position(BAR), 1.0], colour);
+            canvas.rectangle([x, position(top + row), BAR * text, 1.0], colour);
         }
-        let (width, height) = (position(BAR), position(height));
+        let (width, height) = (BAR * text, position(height));
         let frame = [[x, y], [x + width, y], [x + width, y + height], [x, y + height], [x, y]];
         canvas.lines(&frame, 1.0, INK);
         for tick in &self.ticks {
             #[allow(clippy::cast_possible_truncation, reason = "a coordinate in pixels")]
             let down = (1.0 - self.scale.fraction(tick.value, self.low, self.high)) as f32 * height;
-            canvas.lines(&[[x + width, y + down], [x + width + 4.0, y + down]], 1.0, INK);
-            canvas.text(&tick.label, [x + width + 9.0, y + down + 0.5 * TEXT], TEXT, Anchor::Start, INK);
+            canvas.lines(&[[x + width, y + down], [x + width + 0.4 * text, y + down]], 1.0, INK);
+            canvas.text(&tick.label, [x + width + 0.9 * text, y + down + 0.5 * text], text, Anchor::Start, INK);
         }
     }
+
+    /// Lines at the marks within the scale, with their numbers; `corner` is where the map begins.
+    fn draw_contours(&self, canvas: &mut Canvas, map: &ScalarMap, corner: [usize; 2], magnification: usize) {
+        let [left, top] = corner.map(position);
+        let scale = position(magnification);
+        let jump = self.jump();
+        let smooth = smoothed(map, 0.5 * jump);
+        let ends = [left, top, left + scale * position(map.width()), top + scale * position(map.height())];
+        let (mut taken, mut labels) = (Vec::new(), Vec::new());
+        for tick in self.ticks.iter().filter(|tick| self.low < tick.value && tick.value < self.high) {
+            let ground = self.colour(tick.value);
+            let ink = if is_light(ground) { INK } else { GROUND };
+            let lines = contours(&smooth, tick.value, jump);
+            let lines =
+                lines.iter().map(|line| line.iter().map(|[x, y]| [left + scale * x, top + scale * y]).collect());
+            let lines: Vec<Vec<[f32; 2]>> = lines.collect();
+            lines.iter().for_each(|line| canvas.lines(line, 0.09 * self.text, ink));
+            let size = [Canvas::text_width(&tick.label, 0.85 * self.text), 0.85 * self.text];
+            for line in &lines {
+                if let Some(place) = label_place(line, size, ends, &taken) {
+                    taken.push(place);
+                    labels.push((place, tick, [ground, ink]));
+                }
+            }
+        }
+        // After all lines, so that none crosses a number.
+        for ([x, y, width, height], tick, [ground, ink]) in labels {
+            canvas.rectangle([x, y, width, height], ground);
+            let baseline = [x + 0.5 * width, y + 0.5 * (height + 0.85 * self.text)];
+            canvas.text(&tick.label, baseline, 0.85 * self.text, Anchor::Middle, ink);
+        }
+    }
+
+    /// By how much neighbours on one surface differ at most.
+    fn jump(&self) -> f64 {
+        JUMP * (self.high - self.low)
+    }
+}
+
+/// Neighbours that differ by more than this share of the scale are of different objects.
+const JUMP: f64 = 0.12;
+/// How far labels stay from each other, in heights of capitals, and how long a line must be in widths of its label.
+const APART: f32 = 4.0;
+const LONG: f32 = 3.0;
+
+/// Where the number of a line may stand: left, top, width and height, with the line in the middle; the place nearest to the line's middle
+/// that is within the map and far from others.
+fn label_place(line: &[[f32; 2]], [width, height]: [f32; 2], ends: [f32; 4], taken: &[[f32; 4]]) -> Option<[f32; 4]> {
+    let length: f32 = line.windows(2).map(|pair| (pair[1][0] - pair[0][0]).hypot(pair[1][1] - pair[0][1])).sum();
+    let [width, tall] = [width + 0.8 * height, 1.7 * height];
+    if length < LONG * width {
+        return None;
+    }
+    let apart = APART * height;
+    let fits = |index: usize| {
+        let [x, y] = *line.get(index)?;
+        let place = [x - 0.5 * width, y - 0.5 * tall, width, tall];
+        let inside = place[0] >= ends[0] + 2.0
+            && place[1] >= ends[1] + 2.0
+            && place[0] + width <= ends[2] - 2.0
+            && place[1] + tall <= ends[3] - 2.0;
+        let free = taken.iter().all(|other| {
+            place[0] > other[0] + other[2] + apart
+                || other[0] > place[0] + width + apart
+                || place[1] > other[1] + other[3] + apart
+                || other[1] > place[1] + tall + apart
+        });
+        (inside && free).then_some(place)
+    };
+    let middle = line.len() / 2;
+    (0..=middle).flat_map(|off| [middle.checked_sub(off), Some(middle + off)]).flatten().find_map(fits)
+}
+
+/// Whether dark ink shows better on a colour.
+fn is_light(colour: Rgb8) -> bool {
+    let [_, luminance, _] = linear_rgb_to_xyz(srgb8_to_linear_rgb::<f64>(colour));
+    luminance > 0.2
 }
 
 /// A number with three significant digits, plain where that is short.

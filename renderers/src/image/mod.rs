@@ -1,8 +1,9 @@
 //! Pictures: linear-light rasters, their files, and false-colour maps with a legend.
 //!
 //! - [`Raster`], as [`Picture`] (linear Rec. 709 RGB) and [`ScalarMap`];
-//! - [`write_exr`] and [`read_exr`]: to compute with; [`write_png`] and [`read_png`]: to look at; [`read_picture`]
-//!   tells them apart;
+//! - [`write_spectral_exr`] and [`read_spectral_exr`]: a [`SpectralPicture`], with a radiance for each wavelength;
+//! - [`write_exr`] and [`read_exr`]: to compute with; [`write_exr_channels`] and [`read_channels`]: without colours; [`write_png`] and [`read_png`]: to look at; [`read_picture`]
+//!   tells them apart; [`write_hdr`] and [`read_hdr`] for Radiance;
 //! - [`FalseColour`]: a map of numbers drawn with a legend, in the colours of a [`Palette`];
 //! - [`write_atomic`]: a file that is either complete or not there.
 //!
@@ -11,23 +12,28 @@
 mod atomic;
 mod canvas;
 pub(crate) mod chart;
+mod contours;
 mod error;
 mod exr;
 mod false_colour;
 mod font;
+mod hdr;
 mod palette;
 mod png;
 mod raster;
+mod spectral_exr;
 mod ticks;
 
 pub use atomic::write_atomic;
 pub use canvas::{Anchor, Canvas, Rgb8};
 pub use error::ImageError;
-pub use exr::{ExrPicture, read_exr, write_exr};
+pub use exr::{Channels, ExrPicture, read_channels, read_exr, write_exr, write_exr_channels};
 pub use false_colour::{FalseColour, Levels};
+pub use hdr::{read_hdr, write_hdr};
 pub use palette::Palette;
 pub use png::{read_png, write_png};
 pub use raster::{MAX_PIXELS, Picture, Raster, ScalarMap};
+pub use spectral_exr::{SpectralExr, SpectralPicture, read_spectral_exr, write_spectral_exr};
 pub use ticks::{Scale, Tick, ticks};
 
 use std::fs::File;

@@ -76,6 +76,12 @@ impl<T> Raster<T> {
         &self.pixels
     }
 
+    /// The pixels, row by row from the top left, without the rest.
+    #[must_use]
+    pub fn into_pixels(self) -> Vec<T> {
+        self.pixels
+    }
+
     /// The pixels, row by row from the top left.
     pub fn pixels_mut(&mut self) -> &mut [T] {
         &mut self.pixels

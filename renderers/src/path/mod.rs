@@ -228,6 +228,7 @@ pub fn render(
             "the path tracer has no adaptive intervals: choose uniform:N, rgb, rgb-prefiltered, bilinear or smits",
         )),
         Spectra::Uniform(count) => with_bins(UniformBins::new(&palette, count).map_err(RenderError::new)?),
+        Spectra::Wavelengths(step) => with_bins(UniformBins::at_wavelengths(&palette, step).map_err(RenderError::new)?),
         Spectra::Smits => with_bins(UniformBins::smits(&palette).map_err(RenderError::new)?),
         Spectra::Rgb => with_components(Components::naive(&palette).map_err(RenderError::new)?),
         Spectra::RgbPrefiltered => with_components(prefiltered(scene, &palette)?),

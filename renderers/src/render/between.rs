@@ -42,8 +42,8 @@ pub(super) fn render(
     options.spectra.apply(scene, palette, job)
 }
 
-/// Patches and links.
-fn build(
+/// Patches and links for light between surfaces: all of it, unless the scene's paths are limited.
+pub(crate) fn build(
     scene: &Scene,
     options: &BetweenOptions,
     palette: &mut Palette,

@@ -9,7 +9,7 @@ use spectral_core::bound::delta_e_bound;
 use spectral_core::colour::{delta_e_ab, rgb, xyz_to_lab};
 
 use super::photons::Thrower;
-use super::{LAST_STAGE, PhotonReport, Rendering, Watch, single, single_above};
+use super::{LAST_STAGE, PhotonReport, Rendering, SpectrumSink, Watch, single, single_above};
 use crate::geometry::sampling::SobolSequence;
 use crate::geometry::{Filter, Hit};
 use crate::image::{ImageError, Raster};
@@ -35,6 +35,8 @@ pub(super) struct Frame<'s> {
     /// Throws photons, for light by way of mirrors and glass.
     pub(super) thrower: Option<&'s Thrower<'s>>,
     pub(super) watch: &'s dyn Watch,
+    /// Takes the spectra of pixels.
+    pub(super) sink: Option<&'s dyn SpectrumSink>,
 }
 
 /// The most places that the camera sees which light between surfaces is prepared for.
@@ -158,6 +160,11 @@ impl Frame<'_> {
         SobolSequence::for_pixel(x as u32, y as u32, seed)
     }
 
+    /// How many passes there are.
+    fn passes(&self) -> f64 {
+        self.thrower.map_or(1.0, |thrower| f64::from(thrower.passes()))
+    }
+
     /// One pixel: all its camera rays in one expression, evaluated once.
     #[allow(clippy::cast_precision_loss, reason = "pixel coordinates")]
     fn pixel<R: Resolver>(&self, [x, y]: [usize; 2], pass: u32, worker: &mut Worker<'_>, resolver: &mut R) -> Colour {
@@ -172,6 +179,9 @@ impl Frame<'_> {
             worker.sample(x as f64 + 0.5 + dx, y as f64 + 0.5 + dy, weight, &mut radiance);
         }
         let colour = resolver.resolve(&radiance, worker);
+        if let Some(sink) = self.sink {
+            sink.pixel([x, y], resolver.spectrum(), 1.0 / self.passes());
+        }
         Colour { photon_delta_e: noise(colour.xyz, worker, resolver), ..colour }
     }
 }

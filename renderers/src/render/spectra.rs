@@ -17,6 +17,8 @@ pub enum Spectra {
     Interval(IntervalSettings),
     /// Equal bins over 380–780 nm.
     Uniform(usize),
+    /// Values at every so many nm from 380 to 780: [`UniformBins::at_wavelengths`].
+    Wavelengths(u16),
     /// The naive product of three components.
     Rgb,
     /// The product of three components, those of materials filtered for the light that is the strongest in the scene.
@@ -41,7 +43,12 @@ impl Spectra {
     pub(super) const fn factor_order(&self) -> FactorOrder {
         match self {
             Self::Bilinear | Self::BilinearAlpha(_) => FactorOrder::Kept,
-            Self::Interval(_) | Self::Uniform(_) | Self::Rgb | Self::RgbPrefiltered | Self::Smits => FactorOrder::Free,
+            Self::Interval(_)
+            | Self::Uniform(_)
+            | Self::Wavelengths(_)
+            | Self::Rgb
+            | Self::RgbPrefiltered
+            | Self::Smits => FactorOrder::Free,
         }
     }
 }
@@ -51,6 +58,7 @@ impl core::fmt::Display for Spectra {
         match self {
             Self::Interval(_) => write!(f, "interval"),
             Self::Uniform(count) => write!(f, "uniform:{count}"),
+            Self::Wavelengths(step) => write!(f, "wavelengths:{step}"),
             Self::Rgb => write!(f, "rgb"),
             Self::RgbPrefiltered => write!(f, "rgb-prefiltered"),
             Self::Bilinear => write!(f, "bilinear"),
@@ -90,6 +98,9 @@ impl Spectra {
         match self {
             Self::Interval(settings) => work.with_intervals(settings),
             Self::Uniform(count) => bins(UniformBins::new(palette, count).map_err(RenderError::new)?, work),
+            Self::Wavelengths(step) => {
+                bins(UniformBins::at_wavelengths(palette, step).map_err(RenderError::new)?, work)
+            }
             Self::Smits => bins(UniformBins::smits(palette).map_err(RenderError::new)?, work),
             Self::Rgb => components(Components::naive(palette).map_err(RenderError::new)?, work),
             Self::RgbPrefiltered => components(prefiltered(scene, palette)?, work),

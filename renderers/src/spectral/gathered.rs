@@ -55,7 +55,10 @@ impl<'c, R> WithGathered<'c, R> {
     }
 
     /// The colour of the collected rows, seen through some more factors.
-    fn collected(&self, through: &[u32], tracer: &dyn Tracer) -> [[f64; 3]; 2] {
+    fn collected(&mut self, through: &[u32], weight: f64, tracer: &dyn Tracer) -> [[f64; 3]; 2]
+    where
+        R: Resolver,
+    {
         let (mut value, mut radius) = ([0.0; 3], [0.0; 3]);
         let mut leaves = Vec::new();
         for (monomial, sum) in &self.sums[..self.used] {
@@ -63,6 +66,7 @@ impl<'c, R> WithGathered<'c, R> {
             leaves.extend_from_slice(through);
             leaves.extend_from_slice(tracer.monomials().leaves(*monomial));
             let [v, r] = (self.colour)(&leaves, sum);
+            self.inner.add_gathered(&leaves, sum, weight);
             value = core::array::from_fn(|a| value[a] + v[a]);
             radius = core::array::from_fn(|a| radius[a] + r[a]);
         }
@@ -74,12 +78,12 @@ impl<R: Resolver> Resolver for WithGathered<'_, R> {
     fn resolve(&mut self, radiance: &Radiance, tracer: &mut dyn Tracer) -> Colour {
         let mut colour = self.inner.resolve(radiance, tracer);
         self.collect(radiance, tracer);
-        let [mut value, mut radius] = self.collected(&[], tracer);
+        let [mut value, mut radius] = self.collected(&[], 1.0, tracer);
         for (deferred, through, weight) in radiance.deferred() {
             let traced = tracer.trace_gathered(*deferred);
             self.collect(&traced, tracer);
             let through = tracer.monomials().leaves(*through).to_vec();
-            let [v, r] = self.collected(&through, tracer);
+            let [v, r] = self.collected(&through, *weight, tracer);
             value = core::array::from_fn(|a| value[a] + weight * v[a]);
             radius = core::array::from_fn(|a| radius[a] + weight * r[a]);
         }
@@ -93,5 +97,9 @@ impl<R: Resolver> Resolver for WithGathered<'_, R> {
             colour.delta_e = delta_e_bound(xyz, radius, rgb::WHITE.map(|w| w * Y_INTEGRAL)).delta_e;
         }
         colour
+    }
+
+    fn spectrum(&self) -> &[f64] {
+        self.inner.spectrum()
     }
 }

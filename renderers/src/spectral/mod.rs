@@ -22,6 +22,7 @@ pub use radiance::{Deferred, FactorOrder, Gathered, Monomial, Monomials, Radianc
 pub(crate) use radiance::{PairBuild, PairHasher};
 pub use steering::{Functional, Steering};
 pub use uniform::{Uniform, UniformBins};
+pub(crate) use uniform::{is_on_grid, wavelengths};
 
 /// ∫ȳ of the CIE 1931 observer over 380–780 nm in nm, at 1 nm, exact for its linear interpolation: what divides ∫Lȳ so that a flat
 /// radiance of 1 has Y = 1.
@@ -97,6 +98,15 @@ pub trait Tracer {
 pub trait Resolver {
     /// The colour of a pixel.
     fn resolve(&mut self, radiance: &Radiance, tracer: &mut dyn Tracer) -> Colour;
+
+    /// Adds gathered light to the spectrum of the pixel that was resolved last: a row of the same representation times a product of
+    /// leaves and a weight. Nothing without spectra.
+    fn add_gathered(&mut self, _leaves: &[u32], _row: &[f64], _weight: f64) {}
+
+    /// The spectrum of the pixel that was resolved last, a number for each bin; empty without spectra.
+    fn spectrum(&self) -> &[f64] {
+        &[]
+    }
 }
 
 /// Tristimulus values ∫Lā relative to [`Y_INTEGRAL`].

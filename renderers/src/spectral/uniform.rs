@@ -2,6 +2,7 @@
 
 use spectral_core::colour::RgbSpace;
 use spectral_core::spectrum::Spectrum;
+use spectral_core::tables::observers::CIE_1931_2;
 use spectral_core::upsampling::smits::Basis;
 use spectral_core::{Observer, tristimulus};
 
@@ -89,6 +90,43 @@ impl UniformBins {
         Ok(Self { count: centres.len(), centres, limits: SMITS_LIMITS.to_vec(), leaves, weights })
     }
 
+    /// Values at every `step` nm from 380 to 780 nm, and colours by sums over these wavelengths, as the CIE's methods for lamps have it:
+    /// products are exact at each wavelength, however many factors they have.
+    ///
+    /// A light whose nodes are not all at such wavelengths is taken by its means over `step` nm around each, so that narrow lines are
+    /// not missed; surfaces are always taken by their values. `step` divides 400.
+    ///
+    /// # Errors
+    /// A text that says what is wrong with which leaf or with the step.
+    pub fn at_wavelengths(palette: &Palette, step: u16) -> Result<Self, String> {
+        let wavelengths =
+            wavelengths(step).ok_or_else(|| format!("a step of {step} nm does not divide 380 to 780 nm"))?;
+        let step = f64::from(step);
+        let around = |w: f64| [w - step / 2.0, w + step / 2.0];
+        let mut leaves = Vec::new();
+        for (leaf, role) in palette.leaves() {
+            let spectrum = leaf.spectrum()?;
+            let is_mean = *role == Role::Light && !is_on_grid(leaf, step);
+            let value = |w: &f64| if is_mean { mean(&spectrum, around(*w)) } else { spectrum.value(*w) };
+            leaves.push(wavelengths.iter().map(value).collect());
+        }
+        let mut weights = [const { Vec::new() }; 3];
+        for wavelength in &wavelengths {
+            #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "whole nanometres")]
+            let row = (*wavelength as usize).saturating_sub(usize::from(CIE_1931_2.first));
+            for (weight, value) in weights.iter_mut().zip(CIE_1931_2.cmf::<f64>(row)) {
+                weight.push(value * step);
+            }
+        }
+        let limits = wavelengths.iter().map(|w| around(*w)).collect();
+        Ok(Self { count: wavelengths.len(), centres: wavelengths, limits, leaves, weights })
+    }
+
+    /// The middle of each bin, or the wavelength of each value, in nm.
+    pub fn wavelengths(&self) -> &[f64] {
+        &self.centres
+    }
+
     /// How many bins there are.
     #[allow(clippy::len_without_is_empty, reason = "there is at least one")]
     pub const fn len(&self) -> usize {
@@ -119,6 +157,17 @@ impl UniformBins {
     pub(crate) fn centre(&self, bin: usize) -> f64 {
         self.centres[bin]
     }
+}
+
+/// Every `step` nm from 380 to 780; `None` if that doesn't end at 780.
+pub(crate) fn wavelengths(step: u16) -> Option<Vec<f64>> {
+    let is_whole = step > 0 && 400 % step == 0;
+    is_whole.then(|| (380..=780).step_by(usize::from(step)).map(f64::from).collect())
+}
+
+/// Whether a spectrum is linear between whole multiples of a step.
+pub(crate) fn is_on_grid(spectrum: &Tabulated, step: f64) -> bool {
+    spectrum.wavelengths.iter().filter(|w| (FIRST..=LAST).contains(*w)).all(|w| w % step == 0.0)
 }
 
 /// The bins of Smits in nm; the last one goes on to the end of the visible range.
@@ -228,5 +277,16 @@ impl Resolver for Uniform<'_> {
         }
         let xyz = self.bins.weights.each_ref().map(|w| w.iter().zip(&self.spectrum).map(|(w, s)| w * s).sum());
         Colour { xyz: normalised(xyz), intervals: self.bins.count, ..Colour::default() }
+    }
+
+    fn add_gathered(&mut self, leaves: &[u32], row: &[f64], weight: f64) {
+        for (bin, (sum, value)) in self.spectrum.iter_mut().zip(row).enumerate() {
+            let factors = leaves.iter().filter_map(|leaf| self.bins.leaves.get(*leaf as usize)).map(|leaf| leaf[bin]);
+            *sum += weight * factors.fold(*value, |product, factor| product * factor);
+        }
+    }
+
+    fn spectrum(&self) -> &[f64] {
+        &self.spectrum
     }
 }

@@ -534,6 +534,16 @@ impl Whitted {
         self.surfaces.iter().map(|surface| &surface.material)
     }
 
+    /// Where the scene is seen from.
+    pub(crate) const fn camera(&self) -> &Camera {
+        &self.camera
+    }
+
+    /// The radiances that stand for light between surfaces.
+    pub(crate) fn ambient(&self) -> &[Factor] {
+        &self.ambient
+    }
+
     /// All lights.
     pub(crate) fn lights(&self) -> &[Light] {
         &self.lights
