@@ -1,6 +1,6 @@
 //! Lines of equal value in a map.
 
-use super::ScalarMap;
+use super::{Raster, ScalarMap};
 use std::collections::HashMap;
 
 /// A line through points in pixels from the top left corner of the map, where the middle of the first pixel is at ½, ½.
@@ -13,12 +13,14 @@ const SMOOTHED: usize = 3;
 
 /// The lines at a level, by marching squares between the middles of pixels.
 ///
-/// Where neighbours differ by more than `jump` (at edges of objects) there is none, nor where one has no value.
-pub(super) fn contours(map: &ScalarMap, level: f64, jump: f64) -> Vec<Line> {
+/// Where neighbours differ by more than `jump` or belong to different parts (at edges of objects) there is none, nor where one has no value.
+pub(super) fn contours(map: &ScalarMap, parts: Option<&Raster<u32>>, level: f64, jump: f64) -> Vec<Line> {
     let mut links = Links::default();
     for y in 0..map.height().saturating_sub(1) {
         for x in 0..map.width().saturating_sub(1) {
-            cell(map, [x, y], level, jump, &mut links);
+            if is_whole(parts, [x, y]) {
+                cell(map, [x, y], level, jump, &mut links);
+            }
         }
     }
     let mut lines: Vec<Line> = links.lines().into_iter().filter(|line| line.len() >= SHORTEST).collect();
@@ -26,8 +28,17 @@ pub(super) fn contours(map: &ScalarMap, level: f64, jump: f64) -> Vec<Line> {
     lines
 }
 
-/// A map whose pixels are means over neighbours in 5 × 5 that are not further than `jump` from them: noise makes no lines then.
-pub(super) fn smoothed(map: &ScalarMap, jump: f64) -> ScalarMap {
+/// Whether four neighbouring pixels belong to one part.
+fn is_whole(parts: Option<&Raster<u32>>, [x, y]: [usize; 2]) -> bool {
+    parts.is_none_or(|parts| {
+        let own = parts.get(x, y);
+        [[x + 1, y], [x, y + 1], [x + 1, y + 1]].into_iter().all(|[x, y]| parts.get(x, y) == own)
+    })
+}
+
+/// A map whose pixels are means over neighbours in 5 × 5 of the same part that are not further than `jump` from them: noise makes no lines
+/// then.
+pub(super) fn smoothed(map: &ScalarMap, parts: Option<&Raster<u32>>, jump: f64) -> ScalarMap {
     const REACH: usize = 2;
     let mut result = map.clone();
     let (width, height) = (map.width(), map.height());
@@ -38,7 +49,8 @@ pub(super) fn smoothed(map: &ScalarMap, jump: f64) -> ScalarMap {
         for v in y.saturating_sub(REACH)..(y + REACH + 1).min(height) {
             for u in x.saturating_sub(REACH)..(x + REACH + 1).min(width) {
                 let value = map.get(u, v).map_or(f64::NAN, |value| f64::from(*value));
-                if (value - own).abs() <= jump {
+                let same = parts.is_none_or(|parts| parts.get(u, v) == parts.get(x, y));
+                if same && (value - own).abs() <= jump {
                     sum += value;
                     count += 1.0;
                 }
@@ -171,7 +183,7 @@ mod tests {
 
     #[test]
     fn a_cone_has_circles() {
-        let lines = contours(&cone(40, 30), 10.0, 100.0);
+        let lines = contours(&cone(40, 30), None, 10.0, 100.0);
         assert_eq!(lines.len(), 1);
         assert_eq!(lines[0].first(), lines[0].last());
         for [x, y] in &lines[0] {
@@ -184,11 +196,11 @@ mod tests {
     #[test]
     fn lines_end_at_the_border_and_where_there_is_nothing() {
         let mut map = ScalarMap::from_fn(60, 40, |_, y| number(y)).unwrap();
-        assert_eq!(contours(&map, 9.75, 100.0).len(), 1);
+        assert_eq!(contours(&map, None, 9.75, 100.0).len(), 1);
         for y in 0..40 {
             map.pixels_mut()[y * 60 + 30] = f32::NAN;
         }
-        let lines = contours(&map, 9.75, 100.0);
+        let lines = contours(&map, None, 9.75, 100.0);
         assert_eq!(lines.len(), 2);
         assert!(lines.iter().flatten().all(|[_, y]| (y - 10.25).abs() <= 1e-5));
     }
@@ -196,21 +208,25 @@ mod tests {
     #[test]
     fn edges_of_objects_are_no_lines() {
         let map = ScalarMap::from_fn(40, 40, |x, _| if x < 20 { 0.0 } else { 10.0 }).unwrap();
-        assert!(contours(&map, 5.0, 8.0).is_empty());
-        assert_eq!(contours(&map, 5.0, 20.0).len(), 1);
+        assert!(contours(&map, None, 5.0, 8.0).is_empty());
+        assert_eq!(contours(&map, None, 5.0, 20.0).len(), 1);
+        let parts = Raster::from_fn(40, 40, |x, _| u32::from(x >= 20)).unwrap();
+        assert!(contours(&map, Some(&parts), 5.0, 20.0).is_empty());
+        let smooth = smoothed(&map, Some(&parts), 100.0);
+        assert_eq!((smooth.get(19, 5), smooth.get(20, 5)), (Some(&0.0), Some(&10.0)));
     }
 
     #[test]
     fn a_saddle_has_two_lines() {
         let map = ScalarMap::from_fn(41, 41, |x, y| (number(x) - 20.3) * (number(y) - 20.2)).unwrap();
-        assert_eq!(contours(&map, 0.5, 1000.0).len(), 2);
-        assert_eq!(contours(&map, -0.5, 1000.0).len(), 2);
+        assert_eq!(contours(&map, None, 0.5, 1000.0).len(), 2);
+        assert_eq!(contours(&map, None, -0.5, 1000.0).len(), 2);
     }
 
     #[test]
     fn smoothing_keeps_edges_and_planes() {
         let map = ScalarMap::from_fn(20, 20, |x, y| if x < 10 { 0.1 * number(y) } else { 50.0 }).unwrap();
-        let smooth = smoothed(&map, 5.0);
+        let smooth = smoothed(&map, None, 5.0);
         assert!((smooth.get(9, 10).unwrap() - 1.0).abs() <= 1e-6);
         assert!((smooth.get(10, 10).unwrap() - 50.0).abs() <= 1e-5);
     }

@@ -1,7 +1,7 @@
 //! Maps of numbers drawn in false colour, with a legend.
 
 use super::contours::{contours, smoothed};
-use super::{Anchor, Canvas, ImageError, Palette, Rgb8, ScalarMap, Scale, Tick, ticks};
+use super::{Anchor, Canvas, ImageError, Palette, Raster, Rgb8, ScalarMap, Scale, Tick, ticks};
 use spectral_core::colour::{linear_rgb_to_xyz, srgb8_to_linear_rgb};
 use std::path::Path;
 
@@ -35,6 +35,8 @@ pub struct FalseColour<'a> {
     pub missing: Option<&'a str>,
     /// Whether lines are drawn at the legend's numbers, labelled where there is room.
     pub contours: bool,
+    /// Parts of the picture that these lines don't cross, such as surfaces: a number for each pixel.
+    pub parts: Option<&'a Raster<u32>>,
     /// A line below the picture; empty for none.
     pub caption: &'a str,
     /// The height of capitals in pixels, by which margins go.
@@ -70,6 +72,7 @@ impl<'a> FalseColour<'a> {
             palette: Palette::Viridis,
             missing: None,
             contours: false,
+            parts: None,
             caption: "",
             text: TEXT,
         }
@@ -126,7 +129,7 @@ impl<'a> FalseColour<'a> {
         canvas.text(self.title, [position(margin), position(heading)], self.text, Anchor::Start, INK);
         canvas.picture(&map.map(|&value| legend.colour(f64::from(value))), margin, top, magnification);
         if self.contours {
-            legend.draw_contours(&mut canvas, map, [margin, top], magnification);
+            legend.draw_contours(&mut canvas, (map, self.parts), [margin, top], magnification);
         }
         let below = position(top + bar_height + foot) - 1.4 * self.text;
         canvas.text(self.caption, [position(margin), below], self.text, Anchor::Start, INK);
@@ -283,17 +286,23 @@ impl Legend {
     }
 
     /// Lines at the marks within the scale, with their numbers; `corner` is where the map begins.
-    fn draw_contours(&self, canvas: &mut Canvas, map: &ScalarMap, corner: [usize; 2], magnification: usize) {
+    fn draw_contours(
+        &self,
+        canvas: &mut Canvas,
+        (map, parts): (&ScalarMap, Option<&Raster<u32>>),
+        corner: [usize; 2],
+        magnification: usize,
+    ) {
         let [left, top] = corner.map(position);
         let scale = position(magnification);
         let jump = self.jump();
-        let smooth = smoothed(map, 0.5 * jump);
+        let smooth = smoothed(map, parts, 0.5 * jump);
         let ends = [left, top, left + scale * position(map.width()), top + scale * position(map.height())];
         let (mut taken, mut labels) = (Vec::new(), Vec::new());
         for tick in self.ticks.iter().filter(|tick| self.low < tick.value && tick.value < self.high) {
             let ground = self.colour(tick.value);
             let ink = if is_light(ground) { INK } else { GROUND };
-            let lines = contours(&smooth, tick.value, jump);
+            let lines = contours(&smooth, parts, tick.value, jump);
             let lines =
                 lines.iter().map(|line| line.iter().map(|[x, y]| [left + scale * x, top + scale * y]).collect());
             let lines: Vec<Vec<[f32; 2]>> = lines.collect();
@@ -363,7 +372,7 @@ fn is_light(colour: Rgb8) -> bool {
 /// A number with three significant digits, plain where that is short.
 fn short(value: f64) -> String {
     let magnitude = value.abs();
-    if magnitude != 0.0 && !(1e-3..1e5).contains(&magnitude) {
+    if magnitude != 0.0 && !(1e-3..1e6).contains(&magnitude) {
         return format!("{value:.2e}");
     }
     let decimals = if magnitude >= 100.0 {

@@ -52,6 +52,17 @@ impl Seen {
         self.hits[pixel * samples..][..samples].iter().flatten()
     }
 
+    /// A number of the flat part of a surface that a pixel sees; 0 for none. Round surfaces are one part.
+    pub(super) fn part(&self, pixel: usize) -> u32 {
+        let Some(hit) = self.hits(pixel).next() else { return 0 };
+        let is_flat = hit.planar && hit.geometric_normal.dot(hit.shading_normal) > 1.0 - 1e-5;
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "from 0 to 200")]
+        let coarse = |c: f32| if is_flat { (100.0 * c + 100.5) as u32 } else { 0 };
+        let n = hit.geometric_normal;
+        let direction = [n.x, n.y, n.z].into_iter().fold(0, |all, c| all * 202 + coarse(c));
+        1 + hit.shape.wrapping_mul(8_242_408).wrapping_add(direction)
+    }
+
     /// Whether a pixel sees a surface.
     pub(super) fn sees(&self, pixel: usize) -> bool {
         self.hits(pixel).next().is_some()

@@ -24,12 +24,12 @@ mod quantity;
 mod statistics;
 mod stored;
 
-use std::sync::Mutex;
+use std::sync::{Arc, Mutex};
 use std::time::Instant;
 
 use spectral_core::summation::SumGrid;
 
-use crate::image::{ImageError, ScalarMap};
+use crate::image::{ImageError, Raster, ScalarMap};
 use crate::render::{self, BetweenOptions, Options, Renderer, Spectra, SpectrumSink, Watch};
 use crate::scene::{self, Integrator, Scene};
 use crate::spectral::{Palette, Role, is_on_grid};
@@ -77,6 +77,8 @@ pub struct Map {
     pub values: ScalarMap,
     /// The same in a few numbers.
     pub statistics: Statistics,
+    /// Which pixels see the same flat part of a surface, by equal numbers, if that is known.
+    pub surfaces: Option<Arc<Raster<u32>>>,
 }
 
 impl Map {
@@ -86,7 +88,7 @@ impl Map {
             pixels.filter(|(value, found)| value.is_nan() && **found == why).count()
         };
         let statistics = Statistics::new(&values, [missing(Found::Nowhere), missing(Found::Dark)]);
-        Self { quantity, of, values, statistics }
+        Self { quantity, of, values, statistics, surfaces: None }
     }
 
     /// Between which values most pixels lie: 0.5 % are below, 0.5 % above; `None` without values.
@@ -248,6 +250,7 @@ impl Work<'_> {
             }
             _ => None,
         };
+        let mut done = Vec::new();
         for layer in layers {
             let job = irradiance::Job {
                 scene: self.scene,
@@ -258,8 +261,10 @@ impl Work<'_> {
                 seen: &seen,
                 watch,
             };
-            let (values, found) = job.measure(layer)?;
-            self.add(layer, Of::Irradiance, &values, &found)?;
+            done.push(job.measure(layer)?);
+        }
+        for (layer, (values, found)) in layers.iter().zip(done) {
+            self.add(layer, Of::Irradiance, (&values, &found), &seen)?;
         }
         self.seen = Some(seen);
         Ok(())
@@ -296,17 +301,19 @@ impl Work<'_> {
             };
             render::render_spectra(&scene, &options, watch, &sink)?;
             let (values, found) = sink.done.into_inner().unwrap_or_default();
-            self.add(layer, Of::Radiance, &values, &found)?;
+            self.add(layer, Of::Radiance, (&values, &found), &seen)?;
         }
         self.seen = Some(seen);
         Ok(())
     }
 
     /// Takes in the values of a layer, pixel by pixel.
-    fn add(&mut self, layer: &Layer, of: Of, values: &[f32], found: &[Found]) -> Result<(), RenderError> {
+    fn add(&mut self, layer: &Layer, of: Of, done: (&[f32], &[Found]), seen: &Seen) -> Result<(), RenderError> {
         let [width, height] = self.size.map(|s| s as usize);
-        let maps = split(&layer.quantities, of, [width, height], values, found);
-        self.maps.extend(maps.map_err(|error| RenderError::new(error.to_string()))?);
+        let refused = |error: ImageError| RenderError::new(error.to_string());
+        let maps = split(&layer.quantities, of, [width, height], done.0, done.1).map_err(refused)?;
+        let parts = Arc::new(Raster::from_fn(width, height, |x, y| seen.part(y * width + x)).map_err(refused)?);
+        self.maps.extend(maps.into_iter().map(|map| Map { surfaces: Some(Arc::clone(&parts)), ..map }));
         Ok(())
     }
 }

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::{Map, Quantity};
+use super::{Map, Of, Quantity};
 use crate::image::{FalseColour, ImageError, Palette, ScalarMap, Scale, ticks, write_exr_channels};
 
 /// How maps are drawn.
@@ -23,12 +23,7 @@ impl Map {
     /// # Errors
     /// [`ImageError::Range`] of a range that isn't one for the scale; [`ImageError::Io`].
     pub fn write_png(&self, path: &Path, style: &Style) -> Result<(), ImageError> {
-        let unit = self.quantity.unit(self.of);
-        let title = if unit.is_empty() {
-            format!("{}, {}", self.quantity.title(), self.of)
-        } else {
-            format!("{} ({unit}), {}", self.quantity.title(), self.of)
-        };
+        let title = self.title();
         let caption = self.caption();
         let [low, high] = self.range(style);
         let palette = if self.quantity == Quantity::Duv { Palette::CoolWarm } else { Palette::Viridis };
@@ -37,11 +32,26 @@ impl Map {
             palette,
             missing: Some("no value"),
             contours: !style.plain,
+            parts: self.surfaces.as_deref(),
             caption: &caption,
             text: text_height(&self.values),
             ..FalseColour::new(&title, low, high)
         };
         drawing.write_png(path, &self.values)
+    }
+
+    /// The quantity with its unit, and what it is measured of where there is a choice.
+    fn title(&self) -> String {
+        let unit = match self.quantity.unit(self.of) {
+            "" => String::new(),
+            unit => format!(" ({unit})"),
+        };
+        let of = match (self.quantity.is_luminous(), self.of) {
+            (true, _) => "",
+            (false, Of::Irradiance) => ", light on surfaces",
+            (false, Of::Radiance) => ", light to the camera",
+        };
+        format!("{}{unit}{of}", self.quantity.title())
     }
 
     /// The least, the mean and the largest value, and how many pixels have none.
@@ -68,7 +78,7 @@ impl Map {
         if self.quantity == Quantity::Duv {
             // Neutral on the locus.
             let limit = low.abs().max(high.abs()).max(1e-4);
-            return [-limit, limit];
+            return rounded([-limit, limit]);
         }
         if style.scale == Scale::Logarithmic {
             // Dark corners would take most of it.
