@@ -31,12 +31,16 @@ fn steps(labs: &[[f64; 3]]) -> [f64; 3] {
 #[test]
 fn steps_are_even_and_lightness_rises_for_all_eyes() {
     for (name, eye) in [("normal", NORMAL), ("protanopia", PROTANOPIA), ("deuteranopia", DEUTERANOPIA)] {
-        let labs = seen(Palette::Viridis, 17, eye);
+        let labs = seen(Palette::Cividis, 17, eye);
         let [least, mean, most] = steps(&labs);
+        let share = if name == "normal" { 0.15 } else { 0.25 };
         println!("{name}: ΔE00 of 16 steps {least:.2} to {most:.2}, mean {mean:.2}");
-        // No step is twice as large as the mean, none is hard to see (1 is just noticeable), and lightness alone tells the order.
-        assert!(least >= 2.0 && most <= 2.0 * mean && least >= 0.5 * mean, "{name}: {least} {mean} {most}");
-        assert!(labs.windows(2).all(|pair| pair[0][0] + 1.0 < pair[1][0]), "{name}");
+        // A difference of 1 is just noticeable, and lightness alone tells the order.
+        assert!(
+            least >= (1.0 - share) * mean && most <= (1.0 + share) * mean && least >= 4.0,
+            "{name}: {least} {mean} {most}"
+        );
+        assert!(labs.windows(2).all(|pair| pair[0][0] + 3.0 < pair[1][0]), "{name}");
     }
 }
 
@@ -57,10 +61,11 @@ fn signs_are_told_apart_by_all_eyes() {
 #[test]
 fn grey_is_not_a_value() {
     for eye in [NORMAL, PROTANOPIA, DEUTERANOPIA] {
-        let grey = srgb8_to_linear_rgb::<f64>([160; 3]);
+        let grey = srgb8_to_linear_rgb::<f64>([222; 3]);
         let grey = xyz_to_lab(linear_rgb_to_xyz(grey), WHITE);
-        let nearest = seen(Palette::Viridis, 256, eye).into_iter().map(|lab| delta_e_00(lab, grey)).fold(f64::INFINITY, f64::min);
+        let nearest =
+            seen(Palette::Cividis, 256, eye).into_iter().map(|lab| delta_e_00(lab, grey)).fold(f64::INFINITY, f64::min);
         println!("grey is {nearest:.1} from the nearest colour");
-        assert!(nearest >= 5.0, "{nearest}");
+        assert!(nearest >= 20.0, "{nearest}");
     }
 }

@@ -44,9 +44,13 @@ fn value(map: &Map, x: usize, y: usize) -> f64 {
 }
 
 fn scene(lamp: &str, integrator: &str) -> Scene {
+    seen_at(lamp, integrator, 40)
+}
+
+fn seen_at(lamp: &str, integrator: &str, angle: u32) -> Scene {
     let xml = format!(
         "<scene version='3.0.0'><integrator type='{integrator}'/>
-        <sensor type='perspective'><float name='fov' value='40'/>
+        <sensor type='perspective'><float name='fov' value='{angle}'/>
         <transform name='to_world'><lookat origin='4 0 3' target='0 0 0' up='0 0 1'/></transform></sensor>
         <shape type='rectangle'><transform name='to_world'><scale value='2'/></transform>
         <bsdf type='diffuse'><spectrum name='reflectance' value='0.5'/></bsdf></shape>
@@ -67,8 +71,15 @@ fn lamp(name: &str) -> (String, LightReport) {
     (nodes, report(name, &SpectralTable::from(table)).unwrap())
 }
 
-const MEASURES: [Quantity; 7] =
-    [Quantity::Illuminance, Quantity::Cct, Quantity::Duv, Quantity::Ra, Quantity::Cri00, Quantity::Acv, Quantity::Melanopic];
+const MEASURES: [Quantity; 7] = [
+    Quantity::Illuminance,
+    Quantity::Cct,
+    Quantity::Duv,
+    Quantity::Ra,
+    Quantity::Cri00,
+    Quantity::Acv,
+    Quantity::Melanopic,
+];
 
 /// A lamp alone above a plane: all measures of colour are those of the lamp everywhere, at 5 nm and, for a light of lines, at 1 nm.
 #[test]
@@ -79,7 +90,8 @@ fn one_lamp_has_its_own_measures_everywhere() {
         let made = maps(&scene, &options(&MEASURES, [33, 25]));
         assert_eq!(made.renderer, Renderer::Whitted);
         assert_eq!(made.step, Some(light.grid.step));
-        let expected = [light.cct, light.duv, light.ra.unwrap(), light.cri00_munsell.unwrap(), light.acv, light.melanopic_der];
+        let expected =
+            [light.cct, light.duv, light.ra.unwrap(), light.cri00_munsell.unwrap(), light.acv, light.melanopic_der];
         for (map, expected) in made.maps[1..].iter().zip(expected) {
             let found = &map.statistics;
             // Maps are in f32; R_a and CRI00 by the interpolated reference lights are within 1e-10.
@@ -90,8 +102,7 @@ fn one_lamp_has_its_own_measures_everywhere() {
             assert!(found.without_surface > 0 && found.without_value == found.without_surface, "{found:?}");
         }
         // The middle of the picture is the origin: r²/(r² + h²) of π L.
-        let power = light.power / light.power * (light.luminous_efficacy * light.power);
-        let lux = PI * power * 0.25 / (0.25 + 4.0);
+        let lux = PI * light.luminous_efficacy * light.power * 0.25 / (0.25 + 4.0);
         let found = value(&made.maps[0], 16, 12);
         // The integral over 1 nm colour-matching functions against sums over the lamp's grid; and rays in f32.
         assert!((found - lux).abs() <= 2e-3 * lux, "{name}: {found} {lux}");
@@ -122,7 +133,7 @@ fn radiance_is_what_a_diffuse_plane_makes_of_irradiance() {
 fn what_has_no_meaning_has_no_value() {
     let quantities = [Quantity::Illuminance, Quantity::Sy, Quantity::Cct, Quantity::Duv, Quantity::Ra, Quantity::Acv];
     // Green light is far from the locus, which is still the nearest to some temperature.
-    let green = scene("500:0, 520:1, 540:0", "direct");
+    let green = seen_at("500:0, 520:1, 540:0", "direct", 80);
     let made = maps(&green, &options(&quantities, [33, 25]));
     let of = |quantity| made.maps.iter().find(|map| map.quantity == quantity).unwrap().statistics;
     for quantity in [Quantity::Cct, Quantity::Ra] {
@@ -144,16 +155,28 @@ fn what_makes_no_map_is_refused() {
     let refused = |scene: &Scene, options: &MapOptions| of_scene(scene, options, &Silent).unwrap_err().to_string();
     let ra = options(&[Quantity::Ra], [8, 8]);
     for (said, options) in [
-        ("illuminance is not a quantity of radiance", MapOptions { of: Some(Of::Radiance), ..options(&[Quantity::Illuminance], [8, 8]) }),
-        ("luminance is not a quantity of irradiance", MapOptions { of: Some(Of::Irradiance), ..options(&[Quantity::Luminance], [8, 8]) }),
+        (
+            "illuminance is not a quantity of radiance",
+            MapOptions { of: Some(Of::Radiance), ..options(&[Quantity::Illuminance], [8, 8]) },
+        ),
+        (
+            "luminance is not a quantity of irradiance",
+            MapOptions { of: Some(Of::Irradiance), ..options(&[Quantity::Luminance], [8, 8]) },
+        ),
         ("no quantity to map", options(&[], [8, 8])),
         ("colour measures are sums at 1 or 5 nm, not at 3", MapOptions { step: Some(3), ..ra.clone() }),
-        ("maps are made by whitted and radiosity, not by path", MapOptions { renderer: Some(Renderer::Path), ..ra.clone() }),
-        ("the accuracy must be in (0, 1], not 0", MapOptions {
-            renderer: Some(Renderer::Radiosity),
-            between: BetweenOptions { accuracy: 0.0, exact: false },
-            ..ra.clone()
-        }),
+        (
+            "maps are made by whitted and radiosity, not by path",
+            MapOptions { renderer: Some(Renderer::Path), ..ra.clone() },
+        ),
+        (
+            "the accuracy must be in (0, 1], not 0",
+            MapOptions {
+                renderer: Some(Renderer::Radiosity),
+                between: BetweenOptions { accuracy: 0.0, exact: false },
+                ..ra.clone()
+            },
+        ),
     ] {
         assert_eq!(refused(&plane, &options), said);
     }

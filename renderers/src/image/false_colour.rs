@@ -48,8 +48,8 @@ const NOT_A_NUMBER: Rgb8 = [255, 0, 255];
 const GROUND: Rgb8 = [255, 255, 255];
 const INK: Rgb8 = [30, 30, 30];
 
-/// Pixels where there is no value.
-const MISSING: Rgb8 = [160, 160, 160];
+/// Pixels where there is no value: a grey that is lighter than that of any palette.
+const MISSING: Rgb8 = [222, 222, 222];
 
 /// Height of capitals.
 const TEXT: f32 = 10.0;

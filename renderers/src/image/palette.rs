@@ -18,6 +18,12 @@ pub enum Palette {
     /// lines in CIELAB between them.
     #[default]
     Viridis,
+    /// Dark blue over grey to bright yellow, for magnitudes to be read off: steps of ΔE00 that are even to 15 % for normal eyes, and to 25 % for
+    /// eyes without long-wave or without medium-wave cones.
+    ///
+    /// Source: cividis of Nuñez, Anderton and Renslow, "Optimizing colormaps with consideration for color vision deficiency" (PLoS ONE
+    /// 13(7), 2018), 25 of its colours, at equal distances by the mean of the three eyes' ΔE00, with straight lines in CIELAB between them.
+    Cividis,
     /// Blue over light grey to red, for signed numbers: ½ is neutral, and lightness falls to both sides.
     ///
     /// Source: Moreland, "Diverging color maps for scientific visualization", ISVC 2009 (LNCS 5876): straight
@@ -45,13 +51,43 @@ const VIRIDIS: [[f64; 3]; 16] = [
     [0.993_248, 0.906_157, 0.143_936],
 ];
 
+/// Entries of cividis at 0, 11.3, 24.7, 37.8, … of 255, interpolated.
+const CIVIDIS: [Rgb8; 25] = [
+    [0, 34, 78],
+    [0, 42, 97],
+    [7, 51, 112],
+    [36, 60, 110],
+    [52, 69, 108],
+    [64, 76, 108],
+    [75, 84, 108],
+    [85, 91, 109],
+    [94, 98, 110],
+    [103, 105, 113],
+    [111, 112, 115],
+    [120, 120, 119],
+    [128, 126, 120],
+    [136, 132, 120],
+    [144, 139, 120],
+    [152, 146, 119],
+    [162, 153, 117],
+    [171, 161, 114],
+    [182, 169, 111],
+    [193, 178, 106],
+    [204, 187, 100],
+    [217, 197, 92],
+    [230, 208, 81],
+    [243, 219, 66],
+    [254, 232, 56],
+];
+
 impl Palette {
     /// The colour of a number in [0, 1]; numbers outside have the colour of the nearer end, NaN that of 0.
     #[must_use]
     pub fn colour(self, fraction: f64) -> Rgb8 {
         let fraction = if fraction.is_nan() { 0.0 } else { fraction.clamp(0.0, 1.0) };
         let lab = match self {
-            Self::Viridis => viridis(fraction),
+            Self::Viridis => between(&VIRIDIS.map(|colour| colour.map(decode_srgb)), fraction),
+            Self::Cividis => between(&CIVIDIS.map(srgb8_to_linear_rgb), fraction),
             Self::CoolWarm => cool_warm(fraction),
         };
         linear_rgb_to_srgb8(xyz_to_linear_rgb(lab_to_xyz(lab, WHITE)))
@@ -69,12 +105,14 @@ fn mix(a: [f64; 3], b: [f64; 3], t: f64) -> [f64; 3] {
     [a[0] + (b[0] - a[0]) * t, a[1] + (b[1] - a[1]) * t, a[2] + (b[2] - a[2]) * t]
 }
 
-fn viridis(fraction: f64) -> [f64; 3] {
-    let lab = |index: usize| xyz_to_lab(linear_rgb_to_xyz(VIRIDIS[index].map(decode_srgb)), WHITE);
-    let position = fraction * 15.0;
-    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "within 0 to 15")]
-    let index = (position.floor() as usize).min(14);
-    #[allow(clippy::cast_precision_loss, reason = "within 0 to 14")]
+/// Straight lines in CIELAB between colours at equal distances, at a place from 0 to 1.
+fn between<const N: usize>(knots: &[[f64; 3]; N], fraction: f64) -> [f64; 3] {
+    let lab = |index: usize| xyz_to_lab(linear_rgb_to_xyz(knots[index]), WHITE);
+    #[allow(clippy::cast_precision_loss, reason = "few knots")]
+    let position = fraction * (N - 1) as f64;
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "within the knots")]
+    let index = (position.floor() as usize).min(N - 2);
+    #[allow(clippy::cast_precision_loss, reason = "few knots")]
     let within = position - index as f64;
     mix(lab(index), lab(index + 1), within)
 }
@@ -157,10 +195,22 @@ mod tests {
         }
     }
 
+    /// `published`: entries 0, 64, 128, 192 and 255 of cividis lie on the line, wherever they are along it.
     #[test]
-    fn lightness_rises_all_along_viridis() {
-        let steps = Palette::Viridis.steps(64);
-        assert!(steps.windows(2).all(|pair| lab(pair[0])[0] < lab(pair[1])[0]));
+    fn cividis_has_the_published_colours() {
+        for published in [[0, 34, 78], [64, 77, 107], [125, 124, 120], [188, 174, 108], [254, 232, 56]] {
+            let nearest = Palette::Cividis.steps(1000).into_iter().map(|c| delta_e_00(lab(c), lab(published)));
+            let nearest = nearest.fold(f64::INFINITY, f64::min);
+            assert!(nearest <= 1.0, "{published:?}: {nearest}");
+        }
+    }
+
+    #[test]
+    fn lightness_rises_all_along() {
+        for palette in [Palette::Viridis, Palette::Cividis] {
+            let steps = palette.steps(64);
+            assert!(steps.windows(2).all(|pair| lab(pair[0])[0] < lab(pair[1])[0]));
+        }
     }
 
     #[test]
@@ -172,7 +222,7 @@ mod tests {
 
     #[test]
     fn numbers_outside_take_the_ends() {
-        for palette in [Palette::Viridis, Palette::CoolWarm] {
+        for palette in [Palette::Viridis, Palette::Cividis, Palette::CoolWarm] {
             assert_eq!(palette.colour(-3.0), palette.colour(0.0));
             assert_eq!(palette.colour(f64::NAN), palette.colour(0.0));
             assert_eq!(palette.colour(f64::INFINITY), palette.colour(1.0));

@@ -18,7 +18,7 @@ pub struct Style {
 
 impl Map {
     /// Writes the map as a PNG in false colour: heading with the unit, legend, lines of equal value with their numbers, and the least, the mean and the
-    /// largest value. Where there is no value it is grey.
+    /// largest value. Where there is no value it is light grey.
     ///
     /// # Errors
     /// [`ImageError::Range`] of a range that isn't one for the scale; [`ImageError::Io`].
@@ -26,7 +26,7 @@ impl Map {
         let title = self.title();
         let caption = self.caption();
         let [low, high] = self.range(style);
-        let palette = if self.quantity == Quantity::Duv { Palette::CoolWarm } else { Palette::Viridis };
+        let palette = if self.quantity == Quantity::Duv { Palette::CoolWarm } else { Palette::Cividis };
         let drawing = FalseColour {
             scale: style.scale,
             palette,
