@@ -291,7 +291,7 @@ fn radiance_files_come_back_within_their_precision() {
         }
     }
     let text = fs::read(&file).unwrap();
-    let header = String::from_utf8_lossy(&text[..120]).into_owned();
+    let header = String::from_utf8_lossy(&text[..160]).into_owned();
     assert!(
         header.starts_with("#?RADIANCE\n") && header.contains("\nFORMAT=32-bit_rle_rgbe\n\n-Y 2 +X 300\n"),
         "{header}"
