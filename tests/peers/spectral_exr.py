@@ -80,9 +80,10 @@ def reads_ours(spectral, folder, channels):
     ours = next(name for name in answer["files"] if name.endswith(".exr") and "spectral.exr" not in name)
     rgb = xyz @ numpy.linalg.inv(colour.models.RGB_COLOURSPACE_BT709.matrix_RGB_to_XYZ).T
     truth = pixels(ours)
-    off = numpy.abs(rgb - truth).max(axis=-1) / numpy.maximum(truth.max(axis=-1), 1e-6)
+    # The bound of intervals is absolute, so that darkness may be off by more.
+    off = numpy.abs(rgb - truth).max(axis=-1) / numpy.maximum(truth.max(axis=-1), 0.01 * truth.max())
     # Bins are the very picture; 5 nm are sums where the picture has integrals, within ΔE*ab 0.02.
-    check(f"{channels}: colours, relative, all pixels", float(off.max()), 1e-3 if channels == "40" else 0.03)
+    check(f"{channels}: colours, relative, all pixels", float(off.max()), 1e-3 if channels == "40" else 2e-3)
     preview = pixels(files["spectral.exr"])
     check(f"{channels}: preview against the picture", float(numpy.abs(preview - truth).max()), 0)
 

@@ -13,6 +13,7 @@ mod photons;
 mod relight;
 mod render;
 mod scene;
+mod spectral_exr;
 mod trade;
 mod verify;
 

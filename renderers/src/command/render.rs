@@ -1,24 +1,23 @@
 //! `spectral render`: a scene to pictures.
 
 use std::path::{Path, PathBuf};
-use std::sync::{Mutex, RwLock};
+use std::sync::RwLock;
 
 use clap::{Args, ValueEnum};
-use renderers::image::{
-    FalseColour, Picture, ScalarMap, Scale, SpectralPicture, write_exr, write_hdr, write_png, write_spectral_exr,
-};
+use renderers::image::{FalseColour, Picture, ScalarMap, Scale, write_exr, write_hdr, write_png};
 use renderers::path;
 use renderers::progress::Progress;
-use renderers::render::{self, BetweenOptions, BetweenReport, Options, Rendering, Spectra, SpectrumSink, Watch};
+use renderers::render::{self, BetweenOptions, BetweenReport, Options, Rendering, Spectra, Watch};
 use renderers::report::{ChartLabels, Histogram, Table};
 use renderers::scene::{self, Scene, builtin};
-use renderers::spectral::{Functional, IntervalSettings, Palette, Steering, UniformBins};
+use renderers::spectral::{Functional, IntervalSettings, Steering};
 use serde_json::json;
 use spectral_core::adaptive::Mode;
 use spectral_core::colour::rgb::linear_rgb_to_xyz;
 
 use super::gather::{self, GatherArguments};
 use super::photons::{self, PhotonArguments};
+use super::spectral_exr::{Channels, Spectral, parse_channels};
 use super::{Answer, Failure};
 
 /// The most pixels along a side, and rays in a pixel, that are taken for meant.
@@ -105,15 +104,6 @@ enum Renderer {
     Path,
 }
 
-/// Channels of a spectral EXR.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Channels {
-    /// Values at every so many nm.
-    Step(u16),
-    /// So many means.
-    Means(usize),
-}
-
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Representation {
     Interval,
@@ -163,16 +153,6 @@ fn parse_steering(text: &str) -> Result<Steering, String> {
     steering.ok_or_else(|| "expected brightness, constant or intensity, or two of them with a comma between".to_owned())
 }
 
-fn parse_channels(text: &str) -> Result<Channels, String> {
-    let step = |text: &str| text.parse().ok().filter(|step| (1..=40).contains(step) && 400 % step == 0);
-    let means = || text.parse().ok().filter(|n| (1..=1000).contains(n));
-    match text.strip_suffix("nm") {
-        Some(step_text) => step(step_text).map(Channels::Step),
-        None => means().map(Channels::Means),
-    }
-    .ok_or_else(|| "expected a step that divides 400 nm, such as 5nm, or a number of means from 1 to 1000".to_owned())
-}
-
 pub(super) fn parse_size(text: &str) -> Result<[u32; 2], String> {
     let side = |s: &str| s.parse().ok().filter(|n| (1..=MAX_SIDE).contains(n));
     let size = text.split_once('x').and_then(|(w, h)| Some([side(w)?, side(h)?]));
@@ -220,7 +200,7 @@ impl Arguments {
         let mut files = self.write(&report, &rendering)?;
         if let Some(spectral) = spectral {
             files.push(self.out.join(format!("{}-spectral.exr", self.stem(&report))));
-            spectral.write(files.last().unwrap_or(&self.out), &rendering.picture, &report)?;
+            spectral.write(files.last().unwrap_or(&self.out), &rendering.picture, &report.renderer)?;
         }
         Ok(report.answer(&files))
     }
@@ -233,13 +213,8 @@ impl Arguments {
                 "--spectral-exr is not for --renderer path, which keeps colours, not spectra".to_owned(),
             ));
         }
-        let spectra = match (options.spectra, channels) {
-            (Spectra::Uniform(count), _) => Spectra::Uniform(count),
-            (_, Channels::Means(count)) => Spectra::Uniform(count),
-            (_, Channels::Step(step)) => Spectra::Wavelengths(step),
-        };
-        let [width, height] = options.size.unwrap_or([scene.film.width, scene.film.height]).map(|s| s as usize);
-        Ok(Some(Spectral::new(spectra, [width, height])?))
+        let size = options.size.unwrap_or([scene.film.width, scene.film.height]).map(|s| s as usize);
+        Ok(Some(Spectral::new(channels.spectra(options.spectra), size)?))
     }
 
     fn options(&self) -> Result<Options, Failure> {
@@ -373,47 +348,6 @@ impl Arguments {
 
 pub(super) fn make_folder(folder: &Path) -> Result<(), Failure> {
     std::fs::create_dir_all(folder).map_err(|e| Failure(format!("{}: {e}", folder.display())))
-}
-
-/// Spectra of pixels as they come.
-struct Spectral {
-    spectra: Spectra,
-    picture: Mutex<SpectralPicture>,
-}
-
-impl Spectral {
-    fn new(spectra: Spectra, [width, height]: [usize; 2]) -> Result<Self, Failure> {
-        let no_light = Palette::default();
-        let bins = match spectra {
-            Spectra::Wavelengths(step) => UniformBins::at_wavelengths(&no_light, step),
-            Spectra::Uniform(count) => UniformBins::new(&no_light, count),
-            _ => Err(format!("no spectra with {spectra}")),
-        };
-        let picture = SpectralPicture::black(width, height, bins.map_err(Failure)?.wavelengths())?;
-        Ok(Self { spectra, picture: Mutex::new(picture) })
-    }
-
-    fn write(self, file: &Path, preview: &Picture, report: &Report) -> Result<(), Failure> {
-        let picture = self.picture.into_inner().map_err(|_| Failure("a thread has failed".to_owned()))?;
-        let channels = match self.spectra {
-            Spectra::Wavelengths(step) => format!("values at every {step} nm"),
-            _ => "means over equal parts of 380 to 780 nm, named after their middles".to_owned(),
-        };
-        let said = [
-            ("channelContents", channels.as_str()),
-            ("spectralUnit", "W.m^-2.sr^-1.nm^-1"),
-            ("renderer", &report.renderer),
-        ];
-        Ok(write_spectral_exr(file, picture, preview, &said)?)
-    }
-}
-
-impl SpectrumSink for Spectral {
-    fn pixel(&self, at: [usize; 2], spectrum: &[f64], share: f64) {
-        if let Ok(mut picture) = self.picture.lock() {
-            picture.add(at, spectrum, share);
-        }
-    }
 }
 
 /// A progress bar for each stage.

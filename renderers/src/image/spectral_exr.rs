@@ -165,11 +165,12 @@ fn finite(file: &Path, name: &str, map: &ScalarMap) -> Result<(), ImageError> {
 /// [`ImageError::Io`]; [`ImageError::Malformed`]: damaged, or a wavelength given twice; [`ImageError::Unsupported`]: no such channels;
 /// [`ImageError::NotFinite`]; [`ImageError::Size`] for more than 2³⁰ samples.
 pub fn read_spectral_exr(path: &Path) -> Result<SpectralExr, ImageError> {
-    let Channels { size: [width, height], channels, attributes } = read_channels(path).map_err(|error| match error {
-        // Its size is the file's fault.
-        ImageError::Size { .. } => ImageError::malformed(path, error),
-        other => other,
-    })?;
+    let Channels { size: [width, height], channels, attributes } =
+        read_channels(path).map_err(|error| match error {
+            // Its size is the file's fault.
+            ImageError::Size { .. } => ImageError::malformed(path, error),
+            other => other,
+        })?;
     let (mut found, mut others, mut colours) = (Vec::new(), Vec::new(), [const { None }; 3]);
     for (name, map) in channels {
         if let Some(wavelength) = wavelength(&name) {
