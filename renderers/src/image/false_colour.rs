@@ -225,7 +225,7 @@ impl Legend {
     fn mark_cut_ends(&mut self, map: &ScalarMap) {
         let Some((least, largest)) = extremes(map) else { return };
         let near = |value: f64, end: f64, scale: Scale, low, high| {
-            (scale.fraction(value, low, high) - scale.fraction(end, low, high)).abs() < 0.04
+            (scale.fraction(value, low, high) - scale.fraction(end, low, high)).abs() < 0.07
         };
         let (scale, low, high) = (self.scale, self.low, self.high);
         if least < low {

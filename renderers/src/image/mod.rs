@@ -2,7 +2,8 @@
 //!
 //! - [`Raster`], as [`Picture`] (linear Rec. 709 RGB) and [`ScalarMap`];
 //! - [`write_spectral_exr`] and [`read_spectral_exr`]: a [`SpectralPicture`], with a radiance for each wavelength;
-//! - [`write_exr`] and [`read_exr`]: to compute with; [`write_exr_channels`] and [`read_channels`]: without colours; [`write_png`] and [`read_png`]: to look at; [`read_picture`]
+//! - [`write_exr`] and [`read_exr`]: to compute with; [`write_exr_channels`] and [`read_channels`]: without colours;
+//!   [`write_png`] and [`read_png`]: to look at; [`read_picture`]
 //!   tells them apart; [`write_hdr`] and [`read_hdr`] for Radiance;
 //! - [`FalseColour`]: a map of numbers drawn with a legend, in the colours of a [`Palette`];
 //! - [`write_atomic`]: a file that is either complete or not there.

@@ -24,7 +24,8 @@ mod quantity;
 mod statistics;
 mod stored;
 
-use std::sync::{Arc, Mutex};
+use alloc::sync::Arc;
+use std::sync::Mutex;
 use std::time::Instant;
 
 use spectral_core::summation::SumGrid;

@@ -17,8 +17,8 @@ pub struct Style {
 }
 
 impl Map {
-    /// Writes the map as a PNG in false colour: heading with the unit, legend, lines of equal value with their numbers, and the least, the mean and the
-    /// largest value. Where there is no value it is light grey.
+    /// Writes the map as a PNG in false colour: heading with the unit, legend, lines of equal value with their numbers, and the least, the
+    /// mean and the largest value. Where there is no value it is light grey.
     ///
     /// # Errors
     /// [`ImageError::Range`] of a range that isn't one for the scale; [`ImageError::Io`].
