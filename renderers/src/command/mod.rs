@@ -96,11 +96,6 @@ pub(crate) fn run() -> ExitCode {
     }
 }
 
-/// Whether there is a command of this name.
-fn has_command(name: &str) -> bool {
-    <Arguments as clap::CommandFactory>::command().find_subcommand(name).is_some()
-}
-
 /// Runs a command of this program, by its name and what it takes.
 fn run_line<'a>(words: impl Iterator<Item = &'a str>) -> Result<Answer, Failure> {
     let arguments = Arguments::try_parse_from(core::iter::once("spectral").chain(words));

@@ -73,7 +73,7 @@ impl Arguments {
         let entries = chosen(&self.names)?;
         let figures = papers::figures().map_err(Failure)?;
         std::fs::create_dir_all(&self.out).map_err(|e| Failure(format!("{}: {e}", self.out.display())))?;
-        let pictures: usize = entries.iter().map(|entry| entry.modes.len() + maps(entry).len()).sum();
+        let pictures: usize = entries.iter().map(|entry| entry.modes.len() + entry.maps.len()).sum();
         let bar = Progress::new("gallery", pictures as u64 * STEPS);
         let sections: Vec<_> = entries.into_iter().map(|entry| self.section(entry, &bar)).collect();
         drop(bar);
@@ -114,7 +114,7 @@ impl Arguments {
             share.finish();
             Mapped { command: job.command(), folder: job.folder(&self.out), done }
         };
-        Section { entry, shown, maps: maps(entry).iter().map(map).collect() }
+        Section { entry, shown, maps: entry.maps.iter().map(map).collect() }
     }
 
     fn compare(&self, entry: &Entry, mode: &str, [picture, reference]: [&Path; 2]) -> Result<Value, String> {
@@ -123,11 +123,6 @@ impl Arguments {
         let found = compare(picture, reference, &folder, &options).map_err(|e| e.to_string())?;
         serde_json::to_value(found).map_err(|e| e.to_string())
     }
-}
-
-/// What is mapped of an entry, by a program that can.
-fn maps(entry: &Entry) -> &'static [&'static str] {
-    if super::has_command("map") { entry.maps } else { &[] }
 }
 
 /// The entries of the scenes that are asked for.
