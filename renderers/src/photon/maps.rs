@@ -1,10 +1,8 @@
 //! The photon maps of a scene: one for light that all waves share, and one for each bundle of waves that is asked for.
 
 use alloc::sync::Arc;
-use core::sync::atomic::{AtomicBool, Ordering};
-use std::collections::HashMap;
-use std::sync::{Mutex, OnceLock};
 
+use super::bands::{BandReport, Bands, Slot, Thrown};
 use super::curves::{self, Curves, Motion};
 use super::density::region_of;
 use super::map::Near;
@@ -31,17 +29,6 @@ pub enum Rethrow {
     Traced,
 }
 
-/// The photons of one band, for reports.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct BandReport {
-    /// From where to where it goes, in nm.
-    pub limits: [f64; 2],
-    /// How many photons its map has.
-    pub photons: usize,
-    /// Bytes of the map.
-    pub bytes: usize,
-}
-
 /// The photons of a scene.
 pub(crate) struct Maps<'s> {
     scene: &'s Whitted,
@@ -66,44 +53,6 @@ pub(crate) struct Maps<'s> {
     /// How many photons met mirrors or glass.
     sent: u64,
     account: Account,
-}
-
-/// Photons to be found, and the products of spectra that they refer to.
-#[derive(Debug)]
-struct Thrown {
-    map: PhotonMap,
-    spectra: Arc<Spectra>,
-    /// What a flux is worth, for each product.
-    brightness: Vec<f32>,
-    /// How each photon of the map moves with the wavelength, if that is known.
-    motions: Vec<Motion>,
-}
-
-impl Thrown {
-    fn new(photons: Vec<Photon>, spectra: Arc<Spectra>, emission: &Emission<'_>) -> Self {
-        let brightness = emission.brightness(&spectra);
-        Self { map: PhotonMap::new(photons), spectra, brightness, motions: Vec::new() }
-    }
-
-    /// The same with how the photons move, in the order in which they were given.
-    fn with_motions(mut self, motions: &[Motion]) -> Self {
-        self.motions = self.map.origins().iter().filter_map(|origin| motions.get(*origin as usize).copied()).collect();
-        self
-    }
-
-    /// The luminous flux of a photon.
-    fn worth(&self, photon: &Photon) -> f32 {
-        photon.flux * self.worth_of(photon.spectrum)
-    }
-
-    /// What a flux with the spectrum of this number is worth.
-    fn worth_of(&self, spectrum: u32) -> f32 {
-        self.brightness.get(spectrum as usize).copied().unwrap_or(1.0)
-    }
-
-    fn bytes(&self) -> usize {
-        self.map.bytes() + size_of_val(self.motions.as_slice())
-    }
 }
 
 /// Photons between the wavelengths at which they were thrown.
@@ -559,64 +508,5 @@ impl Caustics for Maps<'_> {
         let radius = self.density.radius * self.shrink;
         let largest = || Reach { radius, bias: 0.0, farthest: None, is_still: false };
         self.reached.is_near(hit.position).then(largest)
-    }
-}
-
-/// The maps of bands of wavelengths, each made when it is first asked for.
-#[derive(Debug, Default)]
-struct Bands {
-    slots: Mutex<HashMap<[u64; 2], Arc<Slot>>>,
-}
-
-/// A map that is made once.
-#[derive(Debug)]
-struct Slot {
-    band: Band,
-    begun: AtomicBool,
-    thrown: OnceLock<Thrown>,
-}
-
-impl Bands {
-    fn get(&self, band: Band) -> Arc<Slot> {
-        let key = band.limits.map(f64::to_bits);
-        let new = || Arc::new(Slot { band, begun: AtomicBool::new(false), thrown: OnceLock::new() });
-        match self.slots.lock() {
-            Ok(mut slots) => Arc::clone(slots.entry(key).or_insert_with(new)),
-            // Only a thread that panics with the lock in its hands could poison it.
-            Err(_) => new(),
-        }
-    }
-
-    fn used(&self) -> Vec<BandReport> {
-        let Ok(slots) = self.slots.lock() else { return Vec::new() };
-        let made = |slot: &Arc<Slot>| {
-            let thrown = slot.thrown.get()?;
-            Some(BandReport { limits: slot.band.limits, photons: thrown.map.len(), bytes: thrown.bytes() })
-        };
-        let mut used: Vec<_> = slots.values().filter_map(made).collect();
-        let width = |band: &BandReport| band.limits[1] - band.limits[0];
-        used.sort_by(|a, b| width(b).total_cmp(&width(a)).then(a.limits[0].total_cmp(&b.limits[0])));
-        used
-    }
-}
-
-impl Slot {
-    /// The photons, thrown by whoever asks first; all others help.
-    fn thrown(&self, throw: impl FnOnce(Band) -> Thrown) -> &Thrown {
-        if let Some(thrown) = self.thrown.get() {
-            return thrown;
-        }
-        if !self.begun.swap(true, Ordering::AcqRel) {
-            return self.thrown.get_or_init(|| throw(self.band));
-        }
-        loop {
-            if let Some(thrown) = self.thrown.get() {
-                return thrown;
-            }
-            // Another thread is at it: this one takes some of its work, if it is of the same pool.
-            if rayon::yield_now() != Some(rayon::Yield::Executed) {
-                std::thread::yield_now();
-            }
-        }
     }
 }

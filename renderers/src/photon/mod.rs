@@ -6,6 +6,7 @@
 
 mod account;
 mod aim;
+mod bands;
 mod beam;
 mod curves;
 mod density;
@@ -30,6 +31,7 @@ mod trace;
 mod waves;
 
 pub(crate) use account::Account;
+pub use bands::BandReport;
 pub(crate) use density::{Choice, Density, Estimate, Place};
 pub(crate) use emission::{Emission, Emitted, Settings};
 pub(crate) use extent::Extents;
@@ -38,7 +40,7 @@ pub(crate) use global::{Balance, Global, GlobalSettings};
 pub use kernel::Kernel;
 pub(crate) use map::{Near, PhotonMap};
 pub(crate) use maps::Maps;
-pub use maps::{BandReport, Rethrow};
+pub use maps::Rethrow;
 pub(crate) use shades::Shades;
 pub(crate) use spectra::Spectra;
 pub(crate) use trace::Prefix;

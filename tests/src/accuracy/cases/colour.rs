@@ -24,6 +24,11 @@ pub(super) fn matrix(primaries: [[f64; 2]; 3], white: [Wide; 3]) -> [[Wide; 3]; 
     columns.map(|row: [Wide; 3]| core::array::from_fn(|j| row[j] * scale[j]))
 }
 
+/// The matrix from XYZ to linear Rec. 709, whose white is (0.3127, 0.3290).
+pub(super) fn to_rec_709() -> [[Wide; 3]; 3] {
+    inverse(&matrix(RgbSpace::REC_709.primaries(), white_of([0.3127, 0.3290])))
+}
+
 const SPACES: [(&str, RgbSpace); 4] = [
     ("Rec. 709", RgbSpace::REC_709),
     ("Rec. 2020", RgbSpace::REC_2020),
