@@ -11,9 +11,9 @@ mod brdf_support;
 
 use core::f64::consts::{FRAC_PI_2, PI, TAU};
 
-use brdf_support::double_word::Double;
 use brdf_support::{cast, log_uniform, upper, vector, ward};
 use spectral_core::brdf::{Brdf, Schlick, Variant, Ward};
+use spectral_tests::accuracy::wide::Wide;
 use spectral_tests::statistics::Rng;
 
 const PAIRS: u32 = 1_000_000;
@@ -64,29 +64,28 @@ impl Case {
     }
 }
 
-fn double_vector([theta, phi]: [f64; 2]) -> [Double; 3] {
-    let (sin, cos) = Double::from(theta).sin_cos();
-    let (sin_phi, cos_phi) = Double::from(phi).sin_cos();
+fn wide_vector([theta, phi]: [f64; 2]) -> [Wide; 3] {
+    let (sin, cos) = Wide::from(theta).sin_cos();
+    let (sin_phi, cos_phi) = Wide::from(phi).sin_cos();
     [sin * cos_phi, sin * sin_phi, cos]
 }
 
 /// The vector form (2.34), and those of the other variants, in double-word arithmetic; with the exponent.
-fn exact(model: &Ward<f64>, light: [Double; 3], view: [Double; 3]) -> (f64, f64) {
-    let sum: [Double; 3] = core::array::from_fn(|i| light[i] + view[i]);
-    let [alpha, beta] = model.alpha().map(Double::from);
+fn exact(model: &Ward<f64>, light: [Wide; 3], view: [Wide; 3]) -> (f64, f64) {
+    let sum: [Wide; 3] = core::array::from_fn(|i| light[i] + view[i]);
+    let [alpha, beta] = model.alpha().map(Wide::from);
     let (x, y) = (sum[0] / alpha, sum[1] / beta);
     let z2 = sum[2] * sum[2];
     let exponent = (x * x + y * y) / z2;
     let cosines = light[2] * view[2];
-    let quarter = Double::from(0.25);
     let factor = match model.variant() {
         Variant::Balanced => ((sum[0] * sum[0] + sum[1] * sum[1] + z2) / (z2 * z2)).to_f64(),
-        Variant::WardDuer => (quarter / cosines).to_f64(),
+        Variant::WardDuer => (0.25 / cosines).to_f64(),
         Variant::Ward => 0.25 / cosines.to_f64().sqrt(),
         Variant::WardNeumann => 0.25 / light[2].to_f64().max(view[2].to_f64()),
     };
-    let peak = (Double::from(1.0) / (Double::PI * alpha * beta)).to_f64();
-    (peak * (-exponent).exp() * factor, exponent.to_f64())
+    let peak = (1.0 / (Wide::PI * alpha * beta)).to_f64();
+    (peak * (-exponent).exp().to_f64() * factor, exponent.to_f64())
 }
 
 /// Relative error against what is exact; 0 where it is too small to be a normal number, and is found to be small.
@@ -111,7 +110,7 @@ fn both_forms_are_the_same_function() {
     for kind in 0..PAIRS {
         let case = Case::draw(&mut rng, kind);
         let slot = (kind % 6) as usize;
-        let (light, view) = (double_vector(case.light), double_vector(case.view));
+        let (light, view) = (wide_vector(case.light), wide_vector(case.view));
         if light[2].to_f64() <= 0.0 || view[2].to_f64() <= 0.0 {
             continue;
         }
@@ -128,8 +127,8 @@ fn both_forms_are_the_same_function() {
             within += 1;
         }
 
-        let (light, view) = (light.map(Double::to_f64), view.map(Double::to_f64));
-        let (truth, _) = exact(&case.model, light.map(Double::from), view.map(Double::from));
+        let (light, view) = (light.map(Wide::to_f64), view.map(Wide::to_f64));
+        let (truth, _) = exact(&case.model, light.map(Wide::from), view.map(Wide::from));
         let error = relative(case.model.evaluate(light, view), truth);
         by_vector[slot] = by_vector[slot].max(error);
         assert!(error <= 1e-12, "{:?} {light:?} {view:?}: {error:e}, exponent {exponent}", case.model);
@@ -156,7 +155,7 @@ fn forms_agree_directly_as_far_as_vectors_are_exact() {
         if light[2] <= 0.0 || view[2] <= 0.0 {
             continue;
         }
-        let (_, exponent) = exact(&case.model, light.map(Double::from), view.map(Double::from));
+        let (_, exponent) = exact(&case.model, light.map(Wide::from), view.map(Wide::from));
         let least = case.model.alpha()[0].min(case.model.alpha()[1]);
         let low = light[2].min(view[2]);
         // Of the half vector's slope over the roughness, and of f's logarithm: twice its root times that, and that squared.
@@ -263,7 +262,7 @@ fn single_precision_is_close_to_double() {
             continue;
         }
         let (light64, view64) = (light.map(f64::from), view.map(f64::from));
-        let (_, exponent) = exact(&double, light64.map(Double::from), view64.map(Double::from));
+        let (_, exponent) = exact(&double, light64.map(Wide::from), view64.map(Wide::from));
         let truth = double.evaluate(light64, view64);
         if exponent > 60.0 {
             // Below the smallest normal number, the exponential is rounded to a multiple of 1.4·10⁻⁴⁵, and its product with

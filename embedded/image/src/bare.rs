@@ -5,7 +5,7 @@ use core::panic::PanicInfo;
 
 use embedded_entries::{Linked, Run};
 
-use crate::board;
+use crate::{board, semihosting};
 
 unsafe extern "C" {
     static __entries_start: u8;
@@ -46,7 +46,7 @@ extern "C" fn rows_main() -> ! {
     }
     let (end, start, ram) = (&raw const __flash_end, &raw const __flash_start, &raw const __static_ram);
     write_numbers([(end.addr() - start.addr()) as u64, ram.addr() as u64]);
-    board::exit(true)
+    semihosting::exit(true)
 }
 
 /// Where the start-up code goes in an image of the demonstration.
@@ -59,7 +59,7 @@ extern "C" fn demo_main() -> ! {
         }
         line.write();
     });
-    board::exit(is_done)
+    semihosting::exit(is_done)
 }
 
 /// The rows in the image.
@@ -140,6 +140,6 @@ impl Line {
 
     fn write(mut self) {
         self.push(b'\n');
-        board::write(&self.text);
+        semihosting::write(&self.text);
     }
 }

@@ -11,5 +11,7 @@ mod board;
 
 #[cfg(target_os = "none")]
 mod bare;
+#[cfg(target_os = "none")]
+mod semihosting;
 #[cfg(target_arch = "wasm32")]
 mod wasm;

@@ -20,7 +20,7 @@ global_asm!(
 );
 
 /// One semihosting call: three instructions that must not be compressed.
-fn call(operation: u32, argument: u32) {
+pub(crate) fn call(operation: u32, argument: u32) {
     // SAFETY: the host reads memory that the caller owns, and writes none.
     unsafe {
         asm!(
@@ -33,23 +33,6 @@ fn call(operation: u32, argument: u32) {
             ".option pop",
             inout("a0") operation => _, in("a1") argument, options(nostack)
         );
-    }
-}
-
-/// Writes text that ends with a zero.
-pub(crate) fn write(text: &[u8]) {
-    const SYS_WRITE0: u32 = 4;
-    call(SYS_WRITE0, text.as_ptr().addr() as u32);
-}
-
-/// Ends the emulator: status 0, or 1.
-#[unsafe(no_mangle)]
-pub(crate) extern "C" fn exit(success: bool) -> ! {
-    const SYS_EXIT_EXTENDED: u32 = 0x20;
-    const STOPPED: u32 = 0x20026;
-    let block = [STOPPED, u32::from(!success)];
-    loop {
-        call(SYS_EXIT_EXTENDED, block.as_ptr().addr() as u32);
     }
 }
 

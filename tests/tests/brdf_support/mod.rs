@@ -1,7 +1,5 @@
-//! What the tests of reflectance models share: directions and double-word arithmetic.
+//! What the tests of reflectance models share: directions, models and random numbers.
 #![allow(dead_code, reason = "each test uses a part")]
-
-pub(crate) mod double_word;
 
 use core::f64::consts::TAU;
 
