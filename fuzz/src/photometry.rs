@@ -53,8 +53,8 @@ fn check_written(file: PhotometricFile) {
     if file.format != Format::Eulumdat {
         // What a control character kept from being the line of the tilt is left out.
         let is_tilt = |l: &String| {
-            let compact: String = l.split_whitespace().collect();
-            compact.to_ascii_uppercase().starts_with("TILT=")
+            let upper = l.trim_start().to_ascii_uppercase();
+            upper.strip_prefix("TILT").is_some_and(|rest| rest.trim_start().starts_with('='))
         };
         let plain = file.labels.iter().map(|l| l.replace(char::is_control, " ").trim_end().to_owned());
         let labels = plain.filter(|l| !is_tilt(l)).collect();

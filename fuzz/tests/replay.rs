@@ -199,3 +199,20 @@ fn numbers_of_disks() {
     replay_numbers("factor", spectral_fuzz::factor, 10_000);
     replay_numbers("estimate", spectral_fuzz::estimate, 1_000);
 }
+
+#[test]
+fn every_target_is_replayed() {
+    let here = include_str!("replay.rs");
+    let targets = Path::new(env!("CARGO_MANIFEST_DIR")).join("fuzz_targets");
+    let mut count = 0;
+    for entry in fs::read_dir(targets).unwrap() {
+        let file = entry.unwrap().file_name().into_string().unwrap();
+        let name = file.strip_suffix(".rs").unwrap();
+        let is_replayed = [format!("seeds(\"{name}\")"), format!("replay_numbers(\"{name}\",")]
+            .iter()
+            .any(|call| here.contains(call));
+        assert!(is_replayed, "{name}");
+        count += 1;
+    }
+    assert!(count >= 23, "{count} targets");
+}

@@ -310,3 +310,21 @@ fn extreme_input() {
         }
     }
 }
+
+/// So far away that squares of angles underflow, cut by the horizon: a number, at most that of the whole.
+#[test]
+fn far_shapes_at_the_horizon_have_finite_factors() {
+    let mut rng = Rng::new(5);
+    for _ in 0..20_000 {
+        let exponent = -25.0 + 7.0 * rng.unit();
+        let size = 10_f64.powf(exponent);
+        let centre = [1.0, 0.3 * rng.unit(), size * (2.0 * rng.unit() - 1.0)].map(|c| c as f32);
+        let receiver = Receiver::new([0.0_f32; 3], [0.0, 0.0, 1.0]).unwrap();
+        let most = 2.0 * (size * size) as f32 + f32::MIN_POSITIVE;
+        let ball = sphere_configuration_factor(&Sphere::new(centre, size as f32).unwrap(), &receiver);
+        assert!((0.0..=most).contains(&ball), "{ball:e} of a sphere of radius {size:e}");
+        let towards = rng.direction().map(|c| c as f32);
+        let disk = disk_configuration_factor(&Disk::new(centre, towards, size as f32).unwrap(), &receiver);
+        assert!((0.0..=most).contains(&disk), "{disk:e} of a disk of radius {size:e}");
+    }
+}

@@ -54,7 +54,9 @@ impl<R: Real> Cone<R> {
         if keeps_digits(factor, sum) {
             return factor;
         }
-        whole + if self.narrow[0] >= self.narrow[1] { cut.by_azimuth() } else { cut.by_planes() }
+        let rest = if self.narrow[0] >= self.narrow[1] { cut.by_azimuth() } else { cut.by_planes() };
+        // Squares of angles that underflow leave 0/0 of a part that is next to nothing.
+        if rest.is_finite() { whole + rest } else { whole }
     }
 }
 
