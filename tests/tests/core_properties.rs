@@ -541,3 +541,23 @@ fn the_foot_of_a_flank_is_exact_relative_to_itself() {
         }
     });
 }
+
+/// Whichever signs the limits have, both the least and the greatest product of values are in the range.
+#[test]
+fn ranges_of_products_hold_for_values_of_any_sign() {
+    with_domain::<f64>(|domain| {
+        let weight = domain.weight(Node::ROOT);
+        let limits = [[-3.0, -1.0], [-3.0, 1.0], [-1.0, 3.0], [1.0, 3.0], [-2.0, 5.0]];
+        for [a, b] in limits {
+            for [c, d] in limits {
+                let of = |low, high| Interval { low, high, ..Interval::zero() };
+                let product = of(a, b).product(&of(c, d), &weight);
+                let corners = [a * c, a * d, b * c, b * d];
+                let (least, most) = corners.iter().fold((f64::MAX, f64::MIN), |(l, m), x| (x.min(l), x.max(m)));
+                let name = format!("[{a}, {b}] [{c}, {d}]: {} to {}", product.low, product.high);
+                assert!(product.low <= least && product.low >= least - 1e-13, "{name}");
+                assert!(product.high >= most && product.high <= most + 1e-13, "{name}");
+            }
+        }
+    });
+}

@@ -2,7 +2,9 @@
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "helpers of tests")]
 
 use spectral_core::Real;
+use spectral_core::adaptation::{Cie1994, Cie1994Conditions};
 use spectral_core::cct::CctStatus;
+use spectral_core::colour::xyz::{WHITE_A, WHITE_D65};
 use spectral_core::colour_rendering::{ReferenceKind, ReferenceLight};
 use spectral_core::light::{FidelityMeter, LightError, LightMeter, measure, measure_fidelity};
 use spectral_core::spectrum::{Daylight, Outside, Planck, RadiationConstant, Rounding};
@@ -179,3 +181,13 @@ const FIDELITY: [(&str, f64, f64); 13] = [
     ("LED-B1", 84.082034, 96.148058),
     ("LED-RGB1", 71.000702, 107.008181),
 ];
+
+/// Saturated colours have negative cone responses, of which there is no power.
+#[test]
+fn non_linear_adaptation_of_negative_responses_is_finite() {
+    let transform = Cie1994::new(WHITE_A, WHITE_D65, &Cie1994Conditions::default());
+    for xyz in [[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, -1.0], [-1.0; 3]] {
+        let adapted: [f64; 3] = transform.apply(xyz);
+        assert!(adapted.iter().all(|c| c.is_finite()), "{xyz:?}: {adapted:?}");
+    }
+}
