@@ -104,6 +104,7 @@ pub(super) fn naming(spectra: Spectra) -> (String, &'static str, bool) {
             (format!("--bound {bound} --threshold {threshold}"), method, own)
         }
         Spectra::Uniform(_) => (format!("--spectra {spectra}"), "uniform bins", false),
+        Spectra::Wavelengths(step) => (format!("--spectral-exr {step}nm"), "single wavelengths", false),
         Spectra::Rgb => ("--spectra rgb".to_owned(), "rgb", false),
         Spectra::RgbPrefiltered => ("--spectra rgb-prefiltered".to_owned(), "rgb, prefiltered", false),
         Spectra::Smits => ("--spectra smits".to_owned(), "smits", false),
@@ -148,6 +149,7 @@ fn colours(spectra: Spectra, pixels: &Pixels) -> Result<(Vec<Colour>, f64), Stri
         }
         Spectra::Smits => bins(&UniformBins::smits(palette)?),
         Spectra::Uniform(count) => bins(&UniformBins::new(palette, count)?),
+        Spectra::Wavelengths(step) => bins(&UniformBins::at_wavelengths(palette, step)?),
         Spectra::Interval(settings) => {
             let mut memory = IntervalMemory::default();
             let shared = SharedIntervals::new(palette, settings, &mut memory)?;
@@ -190,6 +192,7 @@ fn operations(spectra: Spectra, pixels: &Pixels, colours: &[Colour]) -> Result<f
     let factors = |radiance: &Radiance| radiance.terms().iter().map(|(m, _)| monomials.leaves(*m).len()).sum::<usize>();
     let own = |radiance: &Radiance| match spectra {
         Spectra::Uniform(bins) => bins * (factors(radiance) + 3),
+        Spectra::Wavelengths(step) => (400 / usize::from(step) + 1) * (factors(radiance) + 3),
         Spectra::Smits => 10 * (factors(radiance) + 3),
         _ => 3 * radiance.terms().len() + 9,
     };
