@@ -58,7 +58,7 @@ impl LogAxes {
         }
         canvas.lines(&[[left, top], [left, top + height], [left + width, top + height]], 1.6, INK);
         canvas.text(titles[0], [left + 0.5 * width, top + height + 3.6 * text], text, Anchor::Middle, INK);
-        canvas.text_upwards(titles[1], [left - 5.6 * text, top + 0.5 * height], text, Anchor::Middle, INK);
+        canvas.text_upwards(titles[1], [left - 6.4 * text, top + 0.5 * height], text, Anchor::Middle, INK);
     }
 }
 
@@ -164,13 +164,22 @@ fn panel(canvas: &mut Canvas, axes: &LogAxes, curve: &Curve, methods: &[(&str, b
             canvas.lines(&[at, at], 8.5, colour);
         }
     }
-    labels(canvas, axes, &on_front, shown);
+    labels(canvas, axes, (&curve.points, &on_front), shown);
 }
 
-/// Names of settings on the front, as many as find room.
-fn labels(canvas: &mut Canvas, axes: &LogAxes, front: &[&Point], shown: &dyn Fn(&Point) -> [f64; 2]) {
+/// Names of settings on the front, as many as find room beside all points.
+fn labels(
+    canvas: &mut Canvas,
+    axes: &LogAxes,
+    (all, front): (&[Point], &[&Point]),
+    shown: &dyn Fn(&Point) -> [f64; 2],
+) {
     let [left, top, width, height] = axes.axes.frame;
-    let mut taken: Vec<[f32; 4]> = Vec::new();
+    let mark = |point: &Point| {
+        let [x, y] = axes.point(shown(point));
+        [x - 6.0, y - 6.0, x + 6.0, y + 6.0]
+    };
+    let mut taken: Vec<[f32; 4]> = all.iter().map(mark).collect();
     for point in front {
         let [x, y] = axes.point(shown(point));
         let length = Canvas::text_width(&point.setting, SMALL);
@@ -183,6 +192,7 @@ fn labels(canvas: &mut Canvas, axes: &LogAxes, front: &[&Point], shown: &dyn Fn(
         });
         if let Some([x, y]) = found {
             taken.push([x - 3.0, y - SMALL - 3.0, x + length + 3.0, y + 4.0]);
+            canvas.rectangle([x - 1.0, y - SMALL - 1.0, length + 2.0, SMALL + 3.0], GROUND);
             canvas.text(&point.setting, [x, y], SMALL, Anchor::Start, INK);
         }
     }
