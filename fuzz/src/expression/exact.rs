@@ -21,6 +21,8 @@ const NODES: [(f64, f64); 5] = [
 pub(super) struct Exact {
     leaves: Vec<Vec<f64>>,
     observer: [Vec<f64>; 3],
+    /// The least normal number of the precision.
+    least: f64,
 }
 
 /// The tristimulus values of an expression.
@@ -28,7 +30,8 @@ pub(super) struct Integral {
     pub(super) xyz: [f64; 3],
     /// How far rounding may have put them off.
     pub(super) rounding: [f64; 3],
-    /// The largest magnitude that any step of the expression takes, without cancellation.
+    /// The largest magnitude that any step of the expression takes, without cancellation; what underflows counts as the least normal number, of
+    /// whose size bounds are there.
     pub(super) magnitude: f64,
 }
 
@@ -41,6 +44,7 @@ impl Exact {
         let observer = &observers::CIE_1931_2;
         Self {
             leaves: tables.iter().map(leaf).collect(),
+            least: if single { f64::from(f32::MIN_POSITIVE) } else { f64::MIN_POSITIVE },
             observer: observer.columns.each_ref().map(|column| sampled(&values(column), observer.first, observer.step)),
         }
     }
@@ -64,32 +68,34 @@ impl Exact {
 
     /// The expression at a point, and the same with all terms taken by magnitude.
     fn value(&self, codes: &[Code], count: u32, point: usize, magnitude: &mut f64) -> (f64, f64) {
-        let mut stack: Vec<(f64, f64)> = Vec::with_capacity(codes.len());
+        // Beside both, the magnitude that bounds have.
+        let mut stack: Vec<[f64; 3]> = Vec::with_capacity(codes.len());
         for code in codes {
             let top = match *code {
                 Op::Leaf(id) => {
                     let value = self.leaves[(id % count) as usize][point];
-                    (value, value.abs())
+                    [value, value.abs(), value.abs()]
                 }
-                Op::Deferred(_) => (0.0, 0.0),
+                Op::Deferred(_) => [0.0; 3],
                 Op::Sum | Op::Product => {
-                    let ((b, bm), (a, am)) = (stack.pop().unwrap_or_default(), stack.pop().unwrap_or_default());
-                    if matches!(code, Op::Sum) { (a + b, am + bm) } else { (a * b, am * bm) }
+                    let (b, a) = (stack.pop().unwrap_or_default(), stack.pop().unwrap_or_default());
+                    std::array::from_fn(|i| if matches!(code, Op::Sum) { a[i] + b[i] } else { a[i] * b[i] })
                 }
                 Op::Scale(factor) => {
-                    let (value, majorant) = stack.pop().unwrap_or_default();
-                    (value * f64::from(factor), majorant * f64::from(factor).abs())
+                    let ([value, majorant, bound], f) = (stack.pop().unwrap_or_default(), f64::from(factor));
+                    [value * f, majorant * f.abs(), bound * f.abs()]
                 }
                 Op::Schlick(fresnel) => {
-                    let (value, majorant) = stack.pop().unwrap_or_default();
                     let f = f64::from(fresnel);
-                    (value * (1.0 - f) + f, majorant * (1.0 - f) + f)
+                    stack.pop().unwrap_or_default().map(|v| v * (1.0 - f) + f)
                 }
             };
-            *magnitude = magnitude.max(top.1);
-            stack.push(top);
+            let bound = top[2].max(self.least);
+            *magnitude = magnitude.max(bound);
+            stack.push([top[0], top[1], bound]);
         }
-        stack.pop().unwrap_or_default()
+        let [value, majorant, _] = stack.pop().unwrap_or_default();
+        (value, majorant)
     }
 }
 
