@@ -236,6 +236,7 @@ fn render_into(
         filter: filter(scene.film.filter)?,
         scene: &whitted,
         order: options.spectra.factor_order(),
+        white: options.spectra.white(),
         indirect: None,
         thrower: None,
         watch,

@@ -79,7 +79,7 @@ impl Case {
     }
 
     fn intervals(&self, mode: Mode, threshold: f64) -> Solution<'_> {
-        self.radiosity.solve_intervals(&self.palette, &IntervalSettings { mode, threshold }).unwrap()
+        self.radiosity.solve_intervals(&self.palette, &IntervalSettings { mode, threshold, white: 1.0 }).unwrap()
     }
 
     /// The colours of all patches by so many uniform bins.

@@ -6,8 +6,8 @@
 #![allow(clippy::print_stdout, reason = "the figures behind the verdict are shown with --nocapture")]
 
 use renderers::image::Picture;
-use renderers::render::{Options, Rendering, Spectra, render};
-use renderers::scene::builtin;
+use renderers::render::{Options, Renderer, Rendering, Spectra, render};
+use renderers::scene::{Emitter, Scene, SpectrumKind, builtin};
 use renderers::spectral::IntervalSettings;
 use spectral_core::adaptive::Mode;
 use spectral_core::colour::rgb::{WHITE, linear_rgb_to_xyz};
@@ -24,7 +24,7 @@ fn rendering(name: &str, samples: u32, spectra: Spectra) -> Rendering {
 }
 
 fn by_intervals(name: &str, samples: u32, mode: Mode, threshold: f64) -> Rendering {
-    rendering(name, samples, Spectra::Interval(IntervalSettings { mode, threshold }))
+    rendering(name, samples, Spectra::Interval(IntervalSettings { mode, threshold, white: 1.0 }))
 }
 
 /// ΔE*ab at each pixel, relative to the white of Rec. 709 at Y = 1.
@@ -155,5 +155,49 @@ fn four_certified_intervals_serve_four_pixels_of_five_under_d65() {
         let few = found.intervals.pixels().iter().filter(|count| **count <= 4.0).count();
         assert!(10 * few >= 8 * found.intervals.pixels().len(), "{name}: {few}");
         assert!(largest(&bounds(&found)) <= 3.0, "{name}");
+    }
+}
+
+/// A scene whose lights are scaled.
+fn dimmed(name: &str, factor: f64) -> Scene {
+    let mut scene = builtin::load(name, &[]).unwrap();
+    let radiances: Vec<_> = scene
+        .emitters
+        .iter()
+        .filter_map(|emitter| if let Emitter::Area { radiance, .. } = emitter { Some(*radiance) } else { None })
+        .collect();
+    for radiance in radiances {
+        match &mut scene.spectra[radiance.0].kind {
+            SpectrumKind::Table { values, .. } => values.iter_mut().for_each(|v| *v *= factor),
+            SpectrumKind::D65 { scale } => *scale *= factor,
+            other => panic!("{name} has another light: {other:?}"),
+        }
+    }
+    scene
+}
+
+/// What is white decides what a difference is: a scene in other units takes the same intervals to the same bounds.
+#[test]
+fn thresholds_are_relative_to_white() {
+    const FACTOR: f64 = 1.0 / 64.0;
+    let mean = |rendering: &Rendering| {
+        rendering.intervals.pixels().iter().map(|count| f64::from(*count)).sum::<f64>() / f64::from(SIDE * SIDE)
+    };
+    for renderer in [Renderer::Whitted, Renderer::Radiosity] {
+        for name in ["cornell-box", "cornell-box-lamp"] {
+            let by = |scene: &Scene, white: f64| {
+                let spectra = Spectra::Interval(IntervalSettings { white, ..IntervalSettings::default() });
+                let options =
+                    Options { renderer, spectra, size: Some([SIDE, SIDE]), samples: Some(1), ..Options::default() };
+                render(scene, &options, &|_| {}).unwrap()
+            };
+            let dim = dimmed(name, FACTOR);
+            let [bright, same, careless] = [by(&dimmed(name, 1.0), 1.0), by(&dim, FACTOR), by(&dim, 1.0)];
+            let apart = bounds(&bright).iter().zip(bounds(&same)).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            println!("{name}, {renderer:?}: {} intervals, {} if white is too bright", mean(&same), mean(&careless));
+            assert!(apart <= 1e-6, "{name}, {renderer:?}: {apart}");
+            assert_eq!(bright.intervals.pixels(), same.intervals.pixels(), "{name}, {renderer:?}");
+            assert!(mean(&careless) < mean(&same), "{name}, {renderer:?}");
+        }
     }
 }

@@ -140,7 +140,7 @@ fn certified_bounds_hold_at_every_pixel() {
     for name in ["cornell-box", "cornell-box-lamp"] {
         let scene = builtin::load(name, &[]).unwrap();
         let threshold = 1.0;
-        let interval = Spectra::Interval(IntervalSettings { mode: Mode::Certified, threshold });
+        let interval = Spectra::Interval(IntervalSettings { mode: Mode::Certified, threshold, white: 1.0 });
         let found = picture(&scene, &options(interval, [24, 24], 0.1));
         let [coarse, truth] = [401, 1600].map(|bins| picture(&scene, &options(Spectra::Uniform(bins), [24, 24], 0.1)));
         assert_eq!(found.between.unwrap().gathers, truth.between.unwrap().gathers);
@@ -194,8 +194,8 @@ fn every_representation_has_light_between_surfaces() {
     assert!(sum(&picture(&scene, &whitted)) < 0.85 * sum(&truth));
     for spectra in [
         Spectra::default(),
-        Spectra::Interval(IntervalSettings { mode: Mode::Corrected, threshold: 1.0 }),
-        Spectra::Interval(IntervalSettings { mode: Mode::Paper, threshold: 1.0 }),
+        Spectra::Interval(IntervalSettings { mode: Mode::Corrected, ..IntervalSettings::default() }),
+        Spectra::Interval(IntervalSettings { mode: Mode::Paper, ..IntervalSettings::default() }),
         Spectra::Rgb,
         Spectra::RgbPrefiltered,
         Spectra::Bilinear,

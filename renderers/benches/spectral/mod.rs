@@ -71,7 +71,7 @@ fn solved(radiosity: &Radiosity, palette: &Palette, way: Way) -> Outcome {
     match way {
         Way::Uniform(bins) => of(&UniformBins::new(palette, bins).expect("bins")),
         Way::Interval(mode, threshold) => {
-            let settings = IntervalSettings { mode, threshold };
+            let settings = IntervalSettings { mode, threshold, white: 1.0 };
             outcome(&radiosity.solve_intervals(palette, &settings).expect("a solution"))
         }
         Way::Naive => of(&Components::naive(palette).expect("components")),

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::RwLock;
 
 use clap::{Args, ValueEnum};
-use renderers::image::{FalseColour, Picture, ScalarMap, Scale, write_exr, write_hdr, write_png};
+use renderers::image::{FalseColour, ImageError, Picture, ScalarMap, Scale, write_exr, write_hdr, write_png};
 use renderers::path;
 use renderers::progress::Progress;
 use renderers::render::{self, BetweenOptions, BetweenReport, Options, Rendering, Spectra, Watch};
@@ -56,7 +56,8 @@ pub(super) struct Arguments {
     /// Seed of the sample positions; the scene's by default.
     #[arg(long, value_name = "N")]
     seed: Option<u64>,
-    /// What the PNG picture is multiplied by; scenes in cd and lm want some hundreds. The EXR stays as it is.
+    /// What the PNG picture is multiplied by, and what thresholds and bounds take white by; scenes in cd and lm want some hundreds. The EXR stays as it
+    /// is.
     #[arg(long, value_name = "FACTOR", default_value_t = 1.0)]
     exposure: f32,
     /// The relative error of light between surfaces that radiosity aims at; 0.02 by default.
@@ -233,13 +234,18 @@ impl Arguments {
                 "--resume is for --renderer path: other renderers have no samples to add to".to_owned(),
             ));
         }
+        if !(self.exposure > 0.0 && self.exposure.is_finite()) {
+            return Err(ImageError::Exposure(self.exposure).into());
+        }
+        // What the exposure makes white.
+        let white = 1.0 / f64::from(self.exposure);
         let mode = match self.bound {
             Some(Bound::Paper) => Mode::Paper,
             Some(Bound::Corrected) => Mode::Corrected,
             Some(Bound::Certified) | None => Mode::Certified,
         };
         let spectra = match self.representation() {
-            Representation::Interval => Spectra::Interval(IntervalSettings { mode, threshold }),
+            Representation::Interval => Spectra::Interval(IntervalSettings { mode, threshold, white }),
             Representation::Uniform(count) => Spectra::Uniform(count),
             Representation::Rgb => Spectra::Rgb,
             Representation::RgbPrefiltered => Spectra::RgbPrefiltered,

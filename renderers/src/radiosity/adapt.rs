@@ -49,7 +49,8 @@ const PACE: Pace = Pace { start: 0.62, share: 0.6 };
 struct Plan<'f> {
     field: Field<'f>,
     buffers: Buffers,
-    mode: Mode,
+    /// Of the plan, whose mode may differ from that of the solution.
+    settings: IntervalSettings,
     cells: Vec<Known>,
 }
 
@@ -57,7 +58,7 @@ impl Plan<'_> {
     /// The greatest bound of any group of patches.
     fn worst(&self) -> f64 {
         let leaves = 0..self.field.surface.len();
-        leaves.map(|leaf| bound(self.mode, &self.cells, leaf).delta_e).fold(0.0, f64::max)
+        leaves.map(|leaf| bound(&self.settings, &self.cells, leaf).delta_e).fold(0.0, f64::max)
     }
 
     /// Splits what contributes most to the worst colour until that is good enough, or splitting no longer helps.
@@ -65,18 +66,18 @@ impl Plan<'_> {
         let mut before = (self.cells.len().max(SURE_CELLS), f64::INFINITY);
         while self.cells.len() < MOST_CELLS {
             let leaves = 0..self.field.surface.len();
-            let bounds = leaves.map(|leaf| (bound(self.mode, &self.cells, leaf), leaf));
+            let bounds = leaves.map(|leaf| (bound(&self.settings, &self.cells, leaf), leaf));
             let worst = bounds.max_by(|(a, _), (b, _)| a.delta_e.total_cmp(&b.delta_e));
             let Some((worst, leaf)) = worst.filter(|(worst, _)| !(worst.delta_e <= target)) else { return };
             // By the corrected mode the model's estimate is what counts.
-            if self.mode != Mode::Corrected && self.cells.len() >= 2 * before.0 {
+            if self.settings.mode != Mode::Corrected && self.cells.len() >= 2 * before.0 {
                 if worst.delta_e > STUCK * before.1 {
                     return;
                 }
                 before = (self.cells.len(), worst.delta_e);
             }
             let score = |known: &Known| {
-                let (_, radius) = seen(self.mode, known, leaf);
+                let (_, radius) = seen(self.settings.mode, known, leaf);
                 let score = radius.iter().zip(worst.gradient).map(|(r, g)| r * g).sum::<f64>();
                 if score.is_finite() { score } else { f64::INFINITY }
             };
@@ -106,7 +107,8 @@ impl Plan<'_> {
             nodes.into_iter().filter_map(|node| spectra.cell(lamp, *lamps.get(lamp)?, node)).collect();
         let mut work = Work { tolerance: ROUGH, buffers: &self.buffers, report: &mut |_, _| {} };
         // What errors are estimated by is needed here, whatever the rows keep.
-        let mode = if self.mode == Mode::Corrected { Mode::Paper } else { self.mode };
+        let own = self.settings.mode;
+        let mode = if own == Mode::Corrected { Mode::Paper } else { own };
         let rows = if mode == Mode::Certified && self.field.bounces.is_none() {
             self.field.estimate(&cells, &mut work)
         } else {
@@ -159,7 +161,7 @@ impl Radiosity {
         let mut plan = Plan {
             field: buffers.lend(|buffer| model_field(&field, planned, &model, &spectra, buffer)),
             buffers: Buffers::default(),
-            mode: planned,
+            settings: IntervalSettings { mode: planned, ..*settings },
             cells: Vec::new(),
         };
         for lamp in 0..lamps.len() {
@@ -179,12 +181,12 @@ impl Radiosity {
                 report.delta_e_bound = plan.worst();
                 break;
             }
-            let mut judged = Bounds::new(mode, &cells);
+            let mut judged = Bounds::new(settings, &cells);
             let mut places = judged.places_to_split(&cells, settings.threshold, pace.share);
             let open = cells.iter().any(|known| !known.settled);
             if places.is_empty() && open {
                 self.settle(&field, mode, &mut cells, &buffers, &mut report);
-                judged = Bounds::new(mode, &cells);
+                judged = Bounds::new(settings, &cells);
                 places = judged.places_to_split(&cells, settings.threshold, pace.share);
             }
             if places.is_empty() || !bounded {
@@ -411,7 +413,6 @@ fn model_field<'m>(
 mod tests {
     use core::fmt::Write;
 
-    use spectral_core::adaptive::Mode;
     use spectral_core::tables::{UniformTable, colorchecker, fluorescent, illuminants};
 
     use super::{PACE, Pace};
@@ -476,7 +477,7 @@ mod tests {
             let settings = Settings { accuracy: 3e-2, ..Settings::default() };
             let radiosity = Radiosity::new(&scene, &settings, &mut palette, &|_| {}).unwrap();
             for threshold in [0.3, 0.5, 1.0, 5.0] {
-                let settings = IntervalSettings { mode: Mode::Certified, threshold };
+                let settings = IntervalSettings { threshold, ..IntervalSettings::default() };
                 let reports =
                     [PACE, GREEDY].map(|pace| *radiosity.adapted(&palette, &settings, pace).unwrap().report());
                 let [found, greedy] = &reports;

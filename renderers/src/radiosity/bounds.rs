@@ -6,10 +6,10 @@ use core::cmp::Reverse;
 use rayon::prelude::*;
 use spectral_core::adaptive::Mode;
 use spectral_core::bound::{ColourBound, delta_e_bound};
-use spectral_core::colour::rgb;
 use spectral_core::interval::Node;
 
 use super::cell::{Cell, DEPTH, Row};
+use crate::spectral::IntervalSettings;
 
 /// The most cells.
 pub(super) const MOST_CELLS: usize = 512;
@@ -41,9 +41,9 @@ fn sum(mode: Mode, cells: &[Known], leaf: usize) -> [[f64; 3]; 2] {
 }
 
 /// The bound of that colour.
-pub(super) fn bound(mode: Mode, cells: &[Known], leaf: usize) -> ColourBound<f64> {
-    let [xyz, radius] = sum(mode, cells, leaf);
-    delta_e_bound(xyz, radius, rgb::WHITE)
+pub(super) fn bound(settings: &IntervalSettings, cells: &[Known], leaf: usize) -> ColourBound<f64> {
+    let [xyz, radius] = sum(settings.mode, cells, leaf);
+    delta_e_bound(xyz, radius, settings.white())
 }
 
 /// What one cell has of both.
@@ -54,19 +54,21 @@ pub(super) fn seen(mode: Mode, known: &Known, leaf: usize) -> ([f64; 3], [f64; 3
 /// What all patches reflect, how far that may be off, and the bounds of the difference in colour.
 pub(super) struct Bounds {
     mode: Mode,
+    white: [f64; 3],
     sums: Vec<[[f64; 3]; 2]>,
     pub(super) delta_e: Vec<f64>,
 }
 
 impl Bounds {
-    pub(super) fn new(mode: Mode, cells: &[Known]) -> Self {
+    pub(super) fn new(settings: &IntervalSettings, cells: &[Known]) -> Self {
+        let (mode, white) = (settings.mode, settings.white());
         let leaves = cells.first().map_or(0, |known| known.rows.len());
         let sum = |leaf: usize| {
             let [xyz, radius] = sum(mode, cells, leaf);
-            ([xyz, radius], delta_e_bound(xyz, radius, rgb::WHITE).delta_e)
+            ([xyz, radius], delta_e_bound(xyz, radius, white).delta_e)
         };
         let (sums, delta_e) = (0..leaves).into_par_iter().map(sum).unzip();
-        Self { mode, sums, delta_e }
+        Self { mode, white, sums, delta_e }
     }
 
     /// The bound of a leaf's colour if these cells' radii were a quarter.
@@ -77,7 +79,7 @@ impl Bounds {
             let (_, around) = seen(self.mode, &cells[*index], leaf);
             radius.iter_mut().zip(around).for_each(|(r, part)| *r -= (1.0 - LEFT) * part);
         }
-        delta_e_bound(xyz, radius.map(|r| r.max(0.0)), rgb::WHITE)
+        delta_e_bound(xyz, radius.map(|r| r.max(0.0)), self.white)
     }
 
     /// The cells that the bounds of patches need split: none if these are at or under the threshold, or no smaller part would help.

@@ -134,7 +134,7 @@ impl Job<'_> {
             seconds: [built, solved - built, gathered - solved],
         };
         let is_bounded = matches!(options.spectra, Spectra::Interval(_));
-        let bounded = is_bounded.then(|| representation.intervals());
+        let bounded = is_bounded.then(|| (representation.intervals(), options.spectra.white()));
         let colour = |leaves: &[u32], row: &[f64]| {
             let colour = representation.colour(leaves, row);
             [colour.value, colour.radius]

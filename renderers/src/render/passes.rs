@@ -30,6 +30,8 @@ pub(super) struct Frame<'s> {
     pub(super) filter: Filter,
     pub(super) scene: &'s Whitted,
     pub(super) order: FactorOrder,
+    /// What colour differences are relative to.
+    pub(super) white: [f64; 3],
     /// Light between surfaces, in place of the ambient term.
     pub(super) indirect: Option<&'s dyn Indirect>,
     /// Throws photons, for light by way of mirrors and glass.
@@ -94,7 +96,7 @@ impl Frame<'_> {
             mean.add(self.trace_pass((pass, Some(maps)), start, &new_resolver));
             photons = Some(PhotonReport::new(maps, thrower.idle_lights(), throwing));
         }
-        Pixels { photons, ..mean.into_pixels() }
+        Pixels { photons, ..mean.into_pixels(self.white) }
     }
 
     /// Renders all tiles, each by whichever thread is free; each thread has one resolver.
@@ -182,12 +184,12 @@ impl Frame<'_> {
         if let Some(sink) = self.sink {
             sink.pixel([x, y], resolver.spectrum(), 1.0 / self.passes());
         }
-        Colour { photon_delta_e: noise(colour.xyz, worker, resolver), ..colour }
+        Colour { photon_delta_e: noise((colour.xyz, self.white), worker, resolver), ..colour }
     }
 }
 
 /// The ΔE*ab that the colour changes by with a standard error more of the light that photons found, of each product by itself.
-fn noise<R: Resolver>(xyz: [f64; 3], worker: &mut Worker<'_>, resolver: &mut R) -> f64 {
+fn noise<R: Resolver>((xyz, white): ([f64; 3], [f64; 3]), worker: &mut Worker<'_>, resolver: &mut R) -> f64 {
     let noise = worker.take_noise();
     if noise.terms().is_empty() {
         return 0.0;
@@ -200,7 +202,7 @@ fn noise<R: Resolver>(xyz: [f64; 3], worker: &mut Worker<'_>, resolver: &mut R) 
         squares = core::array::from_fn(|a| squares[a] + part[a] * part[a]);
     }
     let more = core::array::from_fn(|a| xyz[a] + squares[a].sqrt());
-    delta_e_ab(xyz_to_lab(xyz, rgb::WHITE), xyz_to_lab(more, rgb::WHITE))
+    delta_e_ab(xyz_to_lab(xyz, white), xyz_to_lab(more, white))
 }
 
 /// The mean of passes.
@@ -232,7 +234,7 @@ impl Mean {
         }
     }
 
-    fn into_pixels(self) -> Pixels {
+    fn into_pixels(self, white: [f64; 3]) -> Pixels {
         let mut pixels = self.sum.unwrap_or_default();
         if self.passes < 2 {
             return pixels;
@@ -240,7 +242,7 @@ impl Mean {
         let share = 1.0 / f64::from(self.passes);
         for colour in &mut pixels.colours {
             let [xyz, radius] = [colour.xyz, colour.radius].map(|v| v.map(|v| v * share));
-            let [scaled, box_size, white] = [xyz, radius, rgb::WHITE].map(|v| v.map(|v| v * Y_INTEGRAL));
+            let [scaled, box_size, white] = [xyz, radius, white].map(|v| v.map(|v| v * Y_INTEGRAL));
             *colour = Colour {
                 xyz,
                 radius,

@@ -1,7 +1,7 @@
 //! Spectral representations by name, and what each is made of.
 
-use spectral_core::adaptive::Mode;
 use spectral_core::bilinear::Tensor;
+use spectral_core::colour::rgb;
 
 use crate::radiosity::Representation;
 use crate::scene::Scene;
@@ -34,11 +34,16 @@ pub enum Spectra {
 impl Default for Spectra {
     /// Intervals with a certified bound of ΔE*ab 1.
     fn default() -> Self {
-        Self::Interval(IntervalSettings { mode: Mode::Certified, threshold: 1.0 })
+        Self::Interval(IntervalSettings::default())
     }
 }
 
 impl Spectra {
+    /// What colour differences are relative to: the settings' white for intervals, Rec. 709's at Y = 1 for others.
+    pub(super) fn white(&self) -> [f64; 3] {
+        if let Self::Interval(settings) = self { settings.white() } else { rgb::WHITE }
+    }
+
     /// Whether products of spectra may be reordered.
     pub(super) const fn factor_order(&self) -> FactorOrder {
         match self {

@@ -1,7 +1,6 @@
 //! Colours of light that is partly a product of spectra and partly gathered from other surfaces.
 
 use spectral_core::bound::delta_e_bound;
-use spectral_core::colour::rgb;
 
 use super::{Colour, Monomial, Radiance, Resolver, Tracer, Y_INTEGRAL};
 
@@ -16,16 +15,17 @@ pub type RowColour<'c> = dyn Fn(&[u32], &[f64]) -> [[f64; 3]; 2] + Sync + 'c;
 pub struct WithGathered<'c, R> {
     inner: R,
     colour: &'c RowColour<'c>,
-    /// The intervals of the representation, if it has a bound.
-    bounded: Option<usize>,
+    /// The intervals of the representation and white, if it has a bound.
+    bounded: Option<(usize, [f64; 3])>,
     /// For each product, the sum of rows.
     sums: Vec<(Monomial, Vec<f64>)>,
     used: usize,
 }
 
 impl<'c, R> WithGathered<'c, R> {
-    /// A resolver with rows of a representation whose colours `colour` makes, and which has so many intervals if it has a bound.
-    pub const fn new(inner: R, colour: &'c RowColour<'c>, bounded: Option<usize>) -> Self {
+    /// A resolver with rows of a representation whose colours `colour` makes, and which has so many intervals if it has a bound, relative to a white's
+    /// tristimulus values.
+    pub const fn new(inner: R, colour: &'c RowColour<'c>, bounded: Option<(usize, [f64; 3])>) -> Self {
         Self { inner, colour, bounded, sums: Vec::new(), used: 0 }
     }
 
@@ -91,10 +91,10 @@ impl<R: Resolver> Resolver for WithGathered<'_, R> {
         colour.xyz = core::array::from_fn(|a| colour.xyz[a] + value[a]);
         let rounding = |a: usize| 4.0 * f64::EPSILON * (colour.xyz[a].abs() + radius[a]);
         colour.radius = core::array::from_fn(|a| colour.radius[a] + radius[a] + rounding(a));
-        if let Some(intervals) = self.bounded {
+        if let Some((intervals, white)) = self.bounded {
             colour.intervals += intervals;
             let [xyz, radius] = [colour.xyz, colour.radius].map(|v| v.map(|v| v * Y_INTEGRAL));
-            colour.delta_e = delta_e_bound(xyz, radius, rgb::WHITE.map(|w| w * Y_INTEGRAL)).delta_e;
+            colour.delta_e = delta_e_bound(xyz, radius, white.map(|w| w * Y_INTEGRAL)).delta_e;
         }
         colour
     }

@@ -31,13 +31,23 @@ const UNKNOWN: Colour = Colour { radius: [f64::INFINITY; 3], delta_e: f64::INFIN
 pub struct IntervalSettings {
     /// How errors are taken.
     pub mode: Mode,
-    /// The ΔE*ab to reach in each pixel, relative to the white of Rec. 709 at Y = 1.
+    /// The ΔE*ab to reach in each pixel.
     pub threshold: f64,
+    /// The luminance Y of white, whose chromaticity is that of Rec. 709: 1 over what a picture is multiplied by to be looked at; positive and finite.
+    pub white: f64,
+}
+
+impl IntervalSettings {
+    /// The tristimulus values of white, Y = 1 for a flat radiance of 1.
+    pub(crate) fn white(&self) -> [f64; 3] {
+        rgb::WHITE.map(|w| w * self.white)
+    }
 }
 
 impl Default for IntervalSettings {
+    /// A certified bound of ΔE*ab 1 below a white of Y = 1.
     fn default() -> Self {
-        Self { mode: Mode::Certified, threshold: 1.0 }
+        Self { mode: Mode::Certified, threshold: 1.0, white: 1.0 }
     }
 }
 
@@ -82,7 +92,7 @@ impl<'a> SharedIntervals<'a> {
             spectra.push(spectrum);
         }
         let bands = nodes(DEPTH).map(|node| band(&domain, node)).collect();
-        Ok(Self { domain, pyramids, spectra, settings, white: rgb::WHITE.map(|w| w * Y_INTEGRAL), bands })
+        Ok(Self { domain, pyramids, spectra, settings, white: settings.white().map(|w| w * Y_INTEGRAL), bands })
     }
 
     /// The waves of an interval.

@@ -86,7 +86,8 @@ pub(super) fn representations(quick: bool) -> Vec<Spectra> {
     all.extend(bins.iter().map(|bins| Spectra::Uniform(*bins)));
     let thresholds: &[f64] = if quick { &[10.0, 3.0, 1.0, 0.1] } else { &[30.0, 10.0, 5.0, 3.0, 1.0, 0.3, 0.1, 0.03] };
     for mode in [Mode::Paper, Mode::Corrected, Mode::Certified] {
-        let settings = |threshold: &f64| Spectra::Interval(IntervalSettings { mode, threshold: *threshold });
+        let settings =
+            |threshold: &f64| Spectra::Interval(IntervalSettings { mode, threshold: *threshold, white: 1.0 });
         all.extend(thresholds.iter().map(settings));
     }
     all
@@ -95,7 +96,7 @@ pub(super) fn representations(quick: bool) -> Vec<Spectra> {
 /// What a user types, the method's name, and whether it is the project's own.
 pub(super) fn naming(spectra: Spectra) -> (String, &'static str, bool) {
     match spectra {
-        Spectra::Interval(IntervalSettings { mode, threshold }) => {
+        Spectra::Interval(IntervalSettings { mode, threshold, .. }) => {
             let (bound, method, own) = match mode {
                 Mode::Paper => ("paper", "intervals, paper", false),
                 Mode::Corrected => ("corrected", "intervals, corrected", true),
