@@ -7,7 +7,7 @@ use spectral_core::brdf::Variant;
 use super::data::direction;
 use super::{Fit, FittedReading};
 use crate::image::chart::{Axes, GROUND, INK, legend};
-use crate::image::{Anchor, Canvas, ImageError, Rgb8};
+use crate::image::{Anchor, Canvas, ImageError, Rgb8, position, whole};
 
 const DATA: Rgb8 = INK;
 /// The height of capitals.
@@ -35,14 +35,15 @@ pub fn plot_fits(fits: &[(Variant, Fit)], path: &Path) -> Result<(), ImageError>
     let groups: Vec<_> = readings.chunk_by(|a, b| incidence(a) == incidence(b)).take(MOST_PANELS).collect();
     let rows = groups.len().div_ceil(COLUMNS);
     let [width, height] = PANEL;
-    let heading = 40.0 + 26.0 * float(fits.len().div_ceil(2));
-    let mut canvas = Canvas::new(whole(width * float(COLUMNS)), whole(heading + height * float(rows.max(1))), GROUND)?;
+    let heading = 40.0 + 26.0 * position(fits.len().div_ceil(2));
+    let mut canvas =
+        Canvas::new(whole(width * position(COLUMNS)), whole(heading + height * position(rows.max(1))), GROUND)?;
     for (index, (model, fit)) in fits.iter().enumerate() {
-        let place = [40.0 + 740.0 * float(index % 2), 32.0 + 26.0 * float(index / 2)];
+        let place = [40.0 + 740.0 * position(index % 2), 32.0 + 26.0 * position(index / 2)];
         legend(&mut canvas, place, (&summary(fit), TEXT), colour(*model));
     }
     for (index, group) in groups.iter().enumerate() {
-        let corner = [width * float(index % COLUMNS), heading + height * float(index / COLUMNS)];
+        let corner = [width * position(index % COLUMNS), heading + height * position(index / COLUMNS)];
         panel(&mut canvas, corner, group, fits);
     }
     canvas.write_png(path)
@@ -130,7 +131,7 @@ pub struct AlbedoCurve {
 /// # Errors
 /// [`ImageError::Io`] when the file can't be written.
 pub fn plot_albedo(curves: &[AlbedoCurve], path: &Path) -> Result<(), ImageError> {
-    let lines = float(curves.len().div_ceil(3));
+    let lines = position(curves.len().div_ceil(3));
     let heading = 40.0 + 26.0 * lines;
     let mut canvas = Canvas::new(1500, whole(heading + 560.0), GROUND)?;
     let one_each = curves.iter().enumerate().all(|(i, c)| curves[..i].iter().all(|other| other.model != c.model));
@@ -140,7 +141,7 @@ pub fn plot_albedo(curves: &[AlbedoCurve], path: &Path) -> Result<(), ImageError
         Some(_) => COLOURS[index % COLOURS.len()],
     };
     for (index, curve) in curves.iter().enumerate() {
-        let place = [60.0 + 480.0 * float(index % 3), 32.0 + 26.0 * float(index / 3)];
+        let place = [60.0 + 480.0 * position(index % 3), 32.0 + 26.0 * position(index / 3)];
         legend(&mut canvas, place, (&curve.name, TEXT), colour_of(index, curve));
     }
     let frames = [[92.0, heading + 20.0, 620.0, 450.0], [852.0, heading + 20.0, 610.0, 450.0]];
@@ -164,14 +165,4 @@ pub fn plot_albedo(curves: &[AlbedoCurve], path: &Path) -> Result<(), ImageError
 fn colour(model: Variant) -> Rgb8 {
     let place = Variant::ALL.iter().position(|&other| other == model).unwrap_or(0);
     COLOURS[place]
-}
-
-#[allow(clippy::cast_precision_loss, reason = "small counts")]
-fn float(count: usize) -> f32 {
-    count as f32
-}
-
-#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "pixels, positive and few")]
-fn whole(pixels: f32) -> usize {
-    pixels.ceil() as usize
 }

@@ -157,3 +157,15 @@ fn paint(colour: Rgb8) -> Paint<'static> {
     paint.set_color(opaque(colour));
     paint
 }
+
+/// A coordinate or a small count as a length in pixels; exact for any size that a drawing can have.
+#[allow(clippy::cast_precision_loss, reason = "pixels of a drawing are far below 2^24")]
+pub(crate) fn position(count: usize) -> f32 {
+    count as f32
+}
+
+/// A length in whole pixels, rounded up.
+#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "lengths are small and positive")]
+pub(crate) fn whole(length: f32) -> usize {
+    length.ceil() as usize
+}

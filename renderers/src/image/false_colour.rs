@@ -1,5 +1,6 @@
 //! Maps of numbers drawn in false colour, with a legend.
 
+use super::canvas::{position, whole};
 use super::contours::{contours, smoothed};
 use super::{Anchor, Canvas, ImageError, Palette, Raster, Rgb8, ScalarMap, Scale, Tick, ticks};
 use spectral_core::colour::{linear_rgb_to_xyz, srgb8_to_linear_rgb};
@@ -119,9 +120,9 @@ impl<'a> FalseColour<'a> {
         let magnification = (SHOWN / map.width().max(map.height())).max(1);
         let (width, height) = (map.width() * magnification, map.height() * magnification);
         let bar_height = height.max(SHOWN / 2);
-        let [margin, heading] = [MARGIN, HEADING].map(|length| pixels(length * self.text));
+        let [margin, heading] = [MARGIN, HEADING].map(|length| whole(length * self.text));
         let bar_left = margin + width + margin;
-        let words = [self.title, self.caption].map(|words| pixels(Canvas::text_width(words, self.text)));
+        let words = [self.title, self.caption].map(|words| whole(Canvas::text_width(words, self.text)));
         let needed = (bar_left + legend.width()).max(2 * margin + words[0].max(words[1]));
         let top = heading + margin;
         let foot = if self.caption.is_empty() { margin } else { margin + heading };
@@ -145,18 +146,6 @@ pub(crate) fn extremes(map: &ScalarMap) -> Option<(f64, f64)> {
         None => Some((value, value)),
         Some((low, high)) => Some((low.min(value), high.max(value))),
     })
-}
-
-/// A coordinate in pixels; exact for any size that a drawing can have.
-#[allow(clippy::cast_precision_loss, reason = "pixels of a drawing are far below 2^24")]
-fn position(pixels: usize) -> f32 {
-    pixels as f32
-}
-
-/// A length in whole pixels, rounded up.
-#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "lengths are small and positive")]
-fn pixels(length: f32) -> usize {
-    length.ceil() as usize
 }
 
 /// A palette laid over a scale, with marks.
@@ -253,7 +242,7 @@ impl Legend {
     fn width(&self) -> usize {
         let labels = self.ticks.iter().map(|tick| tick.label.as_str()).chain(self.missing.as_deref());
         let text = labels.map(|label| Canvas::text_width(label, self.text)).fold(0.0, f32::max);
-        pixels((BAR + 1.0 + MARGIN) * self.text + text)
+        whole((BAR + 1.0 + MARGIN) * self.text + text)
     }
 
     /// The bar, low at the bottom, with its marks.
@@ -266,7 +255,7 @@ impl Legend {
                 let box_top = y + position(height) - BAR * text;
                 canvas.rectangle([x, box_top, BAR * text, BAR * text], MISSING);
                 canvas.text(words, [x + (BAR + 0.9) * text, box_top + 1.6 * text], text, Anchor::Start, INK);
-                height.saturating_sub(pixels((BAR + 1.2) * text)).max(1)
+                height.saturating_sub(whole((BAR + 1.2) * text)).max(1)
             }
         };
         for row in 0..height {

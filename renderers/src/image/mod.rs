@@ -27,6 +27,7 @@ mod ticks;
 
 pub use atomic::write_atomic;
 pub use canvas::{Anchor, Canvas, Rgb8};
+pub(crate) use canvas::{position, whole};
 pub use error::ImageError;
 pub use exr::{Channels, ExrPicture, read_channels, read_exr, write_exr, write_exr_channels};
 pub use false_colour::{FalseColour, Levels};

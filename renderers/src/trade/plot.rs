@@ -5,7 +5,7 @@ use std::path::Path;
 use super::curve::{Curve, Point};
 use super::stability::Sweep;
 use crate::image::chart::{Axes, GROUND, INK, legend};
-use crate::image::{Anchor, Canvas, ImageError, Rgb8, Scale, ticks};
+use crate::image::{Anchor, Canvas, ImageError, Rgb8, Scale, position, ticks, whole};
 
 /// The height of capitals.
 const TEXT: f32 = 15.0;
@@ -106,7 +106,7 @@ fn row_height(curve: &Curve) -> f32 {
 }
 
 fn legend_height(curve: &Curve) -> f32 {
-    26.0 * float((methods(curve).len() + 1).div_ceil(4)) + 12.0
+    26.0 * position((methods(curve).len() + 1).div_ceil(4)) + 12.0
 }
 
 /// Where a panel is, the title of its costs, the costs, and who is on its front.
@@ -115,7 +115,7 @@ type Side<'t> = (f32, &'t str, fn(&Point) -> f64, fn(&Point) -> bool);
 fn row(canvas: &mut Canvas, top: f32, curve: &Curve) {
     canvas.text(&plain(&format!("{}: {}", curve.name, curve.title)), [40.0, top + 34.0], 16.0, Anchor::Start, INK);
     let methods = methods(curve);
-    let place = |index: usize| [110.0 + 375.0 * float(index % 4), top + HEADING + 14.0 + 26.0 * float(index / 4)];
+    let place = |index: usize| [110.0 + 375.0 * position(index % 4), top + HEADING + 14.0 + 26.0 * position(index / 4)];
     for (index, (name, own)) in methods.iter().enumerate() {
         let words = if *own { (*name).to_owned() } else { format!("{name} (compared)") };
         legend(canvas, place(index), (&words, LEGEND), COLOURS[index % COLOURS.len()]);
@@ -204,9 +204,9 @@ const SWEEP: [f32; 2] = [546.0, 420.0];
 pub(super) fn sweeps(all: &[Sweep], path: &Path) -> Result<(), ImageError> {
     let groups: Vec<&[Sweep]> = all.chunk_by(|a, b| a.name == b.name).collect();
     let rows = groups.len().div_ceil(3).max(1);
-    let mut canvas = Canvas::new(WIDTH, whole(SWEEP[1] * float(rows)), GROUND)?;
+    let mut canvas = Canvas::new(WIDTH, whole(SWEEP[1] * position(rows)), GROUND)?;
     for (index, group) in groups.iter().enumerate() {
-        let corner = [SWEEP[0] * float(index % 3), SWEEP[1] * float(index / 3)];
+        let corner = [SWEEP[0] * position(index % 3), SWEEP[1] * position(index / 3)];
         sweep_panel(&mut canvas, corner, group);
     }
     canvas.write_png(path)
@@ -228,7 +228,7 @@ fn sweep_panel(canvas: &mut Canvas, [left, top]: [f32; 2], group: &[Sweep]) {
     canvas.text(&plain(&first.name), [left + 30.0, top + 28.0], 11.5, Anchor::Start, INK);
     for (index, sweep) in group.iter().enumerate() {
         let colour = COLOURS[index % COLOURS.len()];
-        let at = [left + 100.0 + 150.0 * float(index), top + 50.0];
+        let at = [left + 100.0 + 150.0 * position(index), top + 50.0];
         legend(canvas, at, (&sweep.precision, 13.0), colour);
         let line: Vec<[f32; 2]> = sweep.points.iter().map(|p| axes.point([p[0], drawn(p[1])])).collect();
         canvas.lines(&line, 2.0, colour);
@@ -237,16 +237,6 @@ fn sweep_panel(canvas: &mut Canvas, [left, top]: [f32; 2], group: &[Sweep]) {
             canvas.lines(&ends, 1.0, colour);
         }
     }
-}
-
-#[allow(clippy::cast_precision_loss, reason = "small counts")]
-fn float(count: usize) -> f32 {
-    count as f32
-}
-
-#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "pixels, positive and few")]
-fn whole(pixels: f32) -> usize {
-    pixels.ceil() as usize
 }
 
 /// A text in letters that charts have.

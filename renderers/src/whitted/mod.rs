@@ -17,6 +17,7 @@
 
 mod build;
 mod caustic;
+mod error;
 mod glossy;
 mod refraction;
 mod schlick;
@@ -28,6 +29,7 @@ use glam::DVec3;
 use spectral_core::brdf::Schlick;
 
 use self::caustic::{Dispersed, Still};
+pub use self::error::RenderError;
 pub use self::glossy::GlossyLight;
 use self::refraction::Interface;
 pub(crate) use self::refraction::boundary;
@@ -44,25 +46,6 @@ use crate::spectral::{
 /// Paths that count for less in a pixel are not followed, if they count for less than the second number in their camera ray, too.
 const LEAST_WEIGHT: f64 = 1e-4;
 const LEAST_SHARE: f64 = 2e-3;
-
-/// Why a scene can't be rendered: one line.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct RenderError(String);
-
-impl RenderError {
-    /// An error with this text.
-    pub fn new(text: impl Into<String>) -> Self {
-        Self(text.into())
-    }
-}
-
-impl core::fmt::Display for RenderError {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        f.write_str(&self.0)
-    }
-}
-
-impl core::error::Error for RenderError {}
 
 /// The longest chain of reflections and refractions where the scene says nothing.
 pub const DEFAULT_MAX_DEPTH: u32 = 8;

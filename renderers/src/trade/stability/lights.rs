@@ -6,13 +6,13 @@ use spectral_core::spectrum::{Outside, RadiationConstant};
 use spectral_core::summation::SumGrid;
 use spectral_core::tables::fluorescent;
 
-use super::{Sweep, domain, powers};
+use super::{Sweep, domain, powers, steps};
 
 const GRID: SumGrid<81> = SumGrid::CIE_5NM;
 
 /// All sweeps of indices.
 pub(super) fn sweeps(quick: bool) -> Result<Vec<Sweep>, String> {
-    let steps = if quick { 1 } else { 4 };
+    let steps = steps(quick);
     let truth = indices(&GRID.sample(&fluorescent::FL2.spectrum::<f64>(Outside::Zero))).ok_or("FL2 has no index")?;
     let mut all = Vec::new();
     for (place, name, error) in

@@ -15,6 +15,18 @@ use super::TradeError;
 use super::account::Watch;
 use super::store::{Keyed, Store};
 
+/// Steps of a decade.
+const fn steps(quick: bool) -> i32 {
+    if quick { 1 } else { 4 }
+}
+
+/// Sweeps in both precisions, those of one name together.
+fn by_name(some: impl IntoIterator<Item = Sweep>) -> Vec<Sweep> {
+    let mut all: Vec<Sweep> = some.into_iter().collect();
+    all.sort_by(|a, b| a.name.cmp(&b.name));
+    all
+}
+
 /// What is documented about a quantity.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Domain {

@@ -6,19 +6,14 @@ use spectral_core::Real;
 use spectral_core::brdf::{Brdf as _, Variant, Ward};
 use spectral_core::fresnel;
 
-use super::{Sweep, domain, powers};
+use super::{Sweep, by_name, domain, powers, steps};
 use crate::brdf::albedo;
 use crate::trade::plan::Random;
 
 /// All sweeps of reflection.
 pub(super) fn sweeps(quick: bool) -> Result<Vec<Sweep>, String> {
-    let steps = if quick { 1 } else { 4 };
-    let mut all = Vec::new();
-    for sweeps in [of::<f32>("f32", steps), of::<f64>("f64", steps)] {
-        all.extend(sweeps);
-    }
-    all.sort_by(|a, b| a.name.cmp(&b.name));
-    Ok(all)
+    let [single, double] = [of::<f32>("f32", steps(quick)), of::<f64>("f64", steps(quick))];
+    Ok(by_name(single.into_iter().chain(double)))
 }
 
 /// A view at a height over the horizon in radians.

@@ -7,17 +7,12 @@ use disk_sampling::{
 };
 use spectral_core::Real;
 
-use super::{Sweep, domain, powers};
+use super::{Sweep, by_name, domain, powers, steps};
 
 /// All sweeps of configuration factors.
 pub(super) fn sweeps(quick: bool) -> Result<Vec<Sweep>, String> {
-    let steps = if quick { 1 } else { 4 };
-    let mut all = Vec::new();
-    for sweeps in [of::<f32>("f32", steps), of::<f64>("f64", steps)] {
-        all.extend(sweeps);
-    }
-    all.sort_by(|a, b| a.name.cmp(&b.name));
-    Ok(all)
+    let [single, double] = [of::<f32>("f32", steps(quick)), of::<f64>("f64", steps(quick))];
+    Ok(by_name(single.into_iter().chain(double)))
 }
 
 const DISK: &str = "disk_configuration_factor: radii from 1e-6 to 1e6 times the distance from the plane, any distance from the axis in that range, \

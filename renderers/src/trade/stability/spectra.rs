@@ -7,7 +7,7 @@ use spectral_core::spectrum::{Line, Outside, PiecewiseLinear, Spectrum};
 use spectral_core::tables::{colorchecker, illuminants};
 use spectral_core::{Observer, Real};
 
-use super::{Sweep, domain, powers};
+use super::{Sweep, by_name, domain, powers, steps};
 use crate::trade::plan::count;
 use crate::verify::oracle::gauss_legendre;
 
@@ -18,13 +18,12 @@ const NARROW: f64 = 1e-6;
 
 /// All sweeps of intervals.
 pub(super) fn sweeps(quick: bool) -> Result<Vec<Sweep>, String> {
-    let steps = if quick { 1 } else { 4 };
+    let steps = steps(quick);
     let mut all = radiance::<f32>("f32", steps)?;
     all.extend(radiance::<f64>("f64", steps)?);
     all.push(widths::<f32>("f32", steps)?);
     all.push(widths::<f64>("f64", steps)?);
-    all.sort_by(|a, b| a.name.cmp(&b.name));
-    Ok(all)
+    Ok(by_name(all))
 }
 
 /// The colour of a light on a paint, in one precision.
