@@ -196,8 +196,12 @@ fn the_command_takes_what_there_is() {
         let arguments = ["render", "--renderer=path", "--size=2x2", "--spp=2", "--json", "--steering", steering, &out];
         Command::new(spectral(env!("CARGO_TARGET_TMPDIR"))).args(arguments).output().unwrap()
     };
+    let paths = |steering: &str| if steering.contains(',') { "" } else { ",intensity" }.to_owned();
     for steering in ["brightness", "constant", "intensity", "constant,brightness"] {
-        assert_eq!(run(steering).status.code(), Some(0), "{steering}");
+        let taken = run(steering);
+        let said = String::from_utf8_lossy(&taken.stdout).into_owned();
+        assert_eq!(taken.status.code(), Some(0), "{steering}");
+        assert!(said.contains(&format!("\"steering\":\"{steering}{}\"", paths(steering))), "{said}");
     }
     for steering in ["luminance", "brightness,", "brightness,constant,intensity", ""] {
         let refused = run(steering);

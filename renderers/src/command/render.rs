@@ -394,6 +394,7 @@ struct Report {
     bound: Option<[f64; 4]>,
     errors: Option<Histogram>,
     threshold: f64,
+    steering: Option<String>,
     between: Option<BetweenReport>,
     gather: Option<render::GatherReport>,
     photons: Option<photons::Summary>,
@@ -432,6 +433,7 @@ impl Report {
             bound,
             errors,
             threshold,
+            steering: options.steering.map(|steering| steering.to_string()),
             between: rendering.between,
             gather: rendering.gather,
             photons: photons::Summary::new(rendering),
@@ -448,6 +450,9 @@ impl Report {
         let [width, height] = self.size;
         table.row(["scene".to_owned(), self.scene.clone()]);
         table.row(["spectra".to_owned(), self.spectra.clone()]);
+        if let Some(steering) = &self.steering {
+            table.row(["steering: lights, paths".to_owned(), steering.replace(',', ", ")]);
+        }
         table.row(["size".to_owned(), format!("{width} × {height}")]);
         table.row(["seconds (preparation)".to_owned(), format!("{:.3} ({:.3})", self.seconds[0], self.seconds[1])]);
         if let Some([luminance, error]) = self.noise {
@@ -527,6 +532,7 @@ impl Report {
             "scene": self.scene,
             "renderer": self.renderer,
             "spectra": self.spectra,
+            "steering": self.steering,
             "width": width,
             "height": height,
             "seconds": self.seconds[0],
