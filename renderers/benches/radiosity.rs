@@ -42,7 +42,7 @@ fn opposite_squares(bencher: Bencher<'_, '_>, h: f64) {
     bencher.bench(|| polygon_exchange(black_box(&one), black_box(&other)));
 }
 
-#[divan::bench(args = [0.0, 1e-6, 1.0, 5.0, 7.0, 10.0, 20.0])]
+#[divan::bench(args = [0.0, 1e-6, 1.0, 4.0, 4.5, 5.0, 5.5, 6.0, 7.0, 10.0, 20.0])]
 fn perpendicular_squares(bencher: Bencher<'_, '_>, gap: f64) {
     let (one, x) = (FLOOR, -gap);
     let other = [[x, 0.0, 0.0], [x, 1.0, 0.0], [x, 1.0, 1.0], [x, 0.0, 1.0]];

@@ -88,30 +88,39 @@ pub(super) fn over_points(polygon: &Polygon, nodes: usize, mut f: impl FnMut(DVe
 /// Room for the points of one polygon.
 const MOST_POINTS: usize = 64;
 
+/// Points that are summed side by side.
+const LANES: usize = 4;
+
 /// The sum over points of both; `None` if these are too many.
 fn by_points(p: &Polygon, nodes_p: usize, q: &Polygon, nodes_q: usize) -> Option<f64> {
-    let [mut xs, mut ys, mut zs, mut weights] = [[0.0; MOST_POINTS]; 4];
+    // Spare places have no weight, and are like any other.
+    let mut points =
+        [[[q.centre.x; LANES], [q.centre.y; LANES], [q.centre.z; LANES], [0.0; LANES]]; MOST_POINTS / LANES];
     let mut count = 0;
     over_points(q, nodes_q, |y, w| {
-        if count < MOST_POINTS {
-            (xs[count], ys[count], zs[count], weights[count]) = (y.x, y.y, y.z, w);
+        if let Some(block) = points.get_mut(count / LANES) {
+            for (row, value) in block.iter_mut().zip([y.x, y.y, y.z, w]) {
+                row[count % LANES] = value;
+            }
         }
         count += 1;
         0.0
     });
-    if count > MOST_POINTS {
-        return None;
-    }
+    let blocks = points.get(..count.div_ceil(LANES))?;
     let (n, m) = (p.normal, q.normal);
+    let positive = |x: f64| if x > 0.0 { x } else { 0.0 };
     let sum = over_points(p, nodes_p, |x, wx| {
-        let mut sum = 0.0;
-        for (((y0, y1), y2), w) in xs.iter().zip(&ys).zip(&zs).zip(&weights).take(count) {
-            let (dx, dy, dz) = (y0 - x.x, y1 - x.y, y2 - x.z);
-            let squared = dx * dx + dy * dy + dz * dz;
-            let (near, far) = (dx * n.x + dy * n.y + dz * n.z, dx * m.x + dy * m.y + dz * m.z);
-            sum += w * (near.max(0.0) * (-far).max(0.0)) / (squared * squared);
+        let mut sums = [0.0; LANES];
+        for [ys, yt, yu, weights] in blocks {
+            for lane in 0..LANES {
+                let (dx, dy, dz) = (ys[lane] - x.x, yt[lane] - x.y, yu[lane] - x.z);
+                let squared = dx * dx + dy * dy + dz * dz;
+                let near = positive(dx * n.x + dy * n.y + dz * n.z);
+                sums[lane] += weights[lane] * near / (squared * squared);
+            }
         }
-        wx * sum
+        // All of a plane's points are as far from another plane's point along its normal.
+        wx * positive((x - q.centre).dot(m)) * sums.iter().sum::<f64>()
     });
     Some(sum / core::f64::consts::PI)
 }
