@@ -200,6 +200,8 @@ impl Solution<'_> {
     ///
     /// The largest relative error at 48 places of the Cornell box, 22 of which are in narrow gaps, in deep shade and 3 to 5 mm beside contacts:
     /// 1.5 % at an accuracy of 0.01, 2 % at 0.003 (0.5 % at all but one) and 0.6 % at 0.001 (0.3 % at all but one).
+    /// At 0.05 and coarser, patches may be larger than shadows on them: a place 1 cm above the floor, beside a block and in its shadow, gets up to
+    /// three times its light (`spectral trade radiosity`).
     ///
     /// [`Settings::points`]: super::Settings::points
     #[must_use]
