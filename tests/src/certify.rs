@@ -400,7 +400,8 @@ fn program<'a, R: Real>(case: &'a Case<'_, R>) -> Result<Program<'a, R>, String>
 }
 
 /// What an interval states of a spectrum that is not so.
-fn shortfalls<R: Real>(found: &Interval<R>, weight: &Weight<R>, truth: &Moments) -> Vec<&'static str> {
+#[must_use]
+pub fn shortfalls<R: Real>(found: &Interval<R>, weight: &Weight<R>, truth: &Moments) -> Vec<&'static str> {
     let doubt = 2.0 * truth.value_error;
     let xyz = found.tristimulus(weight).map(R::to_f64);
     let covers = |bounds: [R; 3], exact: [f64; 3], doubt: &dyn Fn(usize) -> f64| {

@@ -184,6 +184,8 @@ pub struct Dense {
     weights: [Vec<f64>; 3],
     /// The spectra at each point.
     values: Vec<Vec<f64>>,
+    /// Whether a spectrum has values below zero, which can cancel.
+    signed: bool,
 }
 
 impl Dense {
@@ -215,9 +217,11 @@ impl Dense {
             samples.resize(length, 0.0);
             samples
         };
+        let signed = spectra.iter().any(|line| line.values.iter().any(|value| *value < 0.0));
         Self {
             points,
             used,
+            signed,
             weights: [0, 1, 2].map(|a| sample(&observer[a], &|w, [start, end]| w * (end - start))),
             values: spectra.iter().map(|line| sample(line, &|_, _| 1.0)).collect(),
         }
@@ -246,6 +250,9 @@ impl Dense {
                     if let Some(top) = stack.last_mut() {
                         top.copy_from_slice(values);
                     }
+                    if positive {
+                        each(stack, f64::abs);
+                    }
                 }
                 Op::Scale(factor) => {
                     let factor = factor.to_f64();
@@ -271,12 +278,12 @@ impl Dense {
         ops.iter().map(units).sum::<f64>() + 24.0
     }
 
-    /// ∫Sā of a postfix program whose leaves, deferred or not, are the spectra that this was made of; these must not be negative.
+    /// ∫Sā of a postfix program whose leaves, deferred or not, are the spectra that this was made of.
     #[must_use]
     pub fn integrate<R: Real>(&self, ops: &[Op<R>]) -> Integral {
         let xyz = self.sums(ops, false);
         // Where nothing can cancel, the value is the sum of the sizes of its terms.
-        let cancels = ops.iter().any(|op| matches!(op, Op::Scale(f) if *f < R::ZERO));
+        let cancels = self.signed || ops.iter().any(|op| matches!(op, Op::Scale(f) if *f < R::ZERO));
         let size = if cancels { self.sums(ops, true) } else { xyz };
         Integral { xyz, error: size.map(|s| s * Self::roundings(ops) * UNIT + f64::MIN_POSITIVE) }
     }

@@ -5,10 +5,10 @@ use spectral_core::Real;
 use spectral_core::adaptation::{Cie1994, Cie1994Conditions};
 use spectral_core::cct::CctStatus;
 use spectral_core::colour::xyz::{WHITE_A, WHITE_D65};
-use spectral_core::colour_rendering::{ReferenceKind, ReferenceLight};
+use spectral_core::colour_rendering::{ReferenceKind, ReferenceLight, fidelity};
 use spectral_core::light::{FidelityMeter, LightError, LightMeter, measure, measure_fidelity};
 use spectral_core::spectrum::{Daylight, Outside, Planck, RadiationConstant, Rounding};
-use spectral_core::summation::SumGrid;
+use spectral_core::summation::{Illuminated, SumGrid};
 use spectral_core::tables::find_light;
 
 const GRID: SumGrid<81> = SumGrid::CIE_5NM;
@@ -189,5 +189,38 @@ fn non_linear_adaptation_of_negative_responses_is_finite() {
     for xyz in [[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, -1.0], [-1.0; 3]] {
         let adapted: [f64; 3] = transform.apply(xyz);
         assert!(adapted.iter().all(|c| c.is_finite()), "{xyz:?}: {adapted:?}");
+    }
+}
+
+/// `independent`: `XYZ_to_CIECAM02` (L_A = 100, Y_b = 20, average surround, illuminant discounted) and
+/// `JMh_CIECAM02_to_CAM02UCS` of colour-science 0.4.7. All but the first sample have a cone response below zero under one of the lights.
+#[test]
+fn uniform_colours_agree_with_colour_science_also_where_a_cone_response_is_negative() {
+    let samples = [[0.3, 0.4, 0.2], [0.3, 0.08, 0.0], [0.1, 0.3, -0.02], [0.06, 0.012, 0.3], [0.25, 0.03, 0.2]];
+    let [daylight, blue] = [[0.95047, 1.0, 1.08883], [0.9, 1.0, 3.0]].map(|white| Illuminated { white, samples });
+    let found = fidelity(&daylight, &blue);
+    let expected = [
+        [
+            [71.7465795521, -16.4806271644, 21.0939903811],
+            [42.1361360313, 76.1376283067, 29.1430977570],
+            [61.1799765564, -47.8232500922, 61.2645706428],
+            [12.7607204149, 1.8491434968, -38.1672390816],
+            [21.3776033007, 96.9201158029, -13.1900082006],
+        ],
+        [
+            [78.5736959319, 8.1928616415, 37.4187086869],
+            [54.2349743117, 69.4699554056, 39.7318332364],
+            [67.0307596711, -28.5103945078, 63.4538530301],
+            [0.3095750554, 20.4067651795, -11.0310561127],
+            [39.6100426597, 82.6125498411, 0.0995048646],
+        ],
+    ];
+    for (found, expected) in [found.test_colours, found.reference_colours].iter().zip(expected) {
+        for (found, expected) in found.iter().zip(expected) {
+            for (found, expected) in found.iter().zip(expected) {
+                let error: f64 = found - expected;
+                assert!(error.abs() <= 1e-9, "{found} is not {expected}");
+            }
+        }
     }
 }

@@ -75,7 +75,7 @@ impl Node {
 /// The weights of one part: I_a = ∫ā over it in nm, and what the operators need of it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Weight<R> {
-    /// I_a = ∫ā in nm.
+    /// I_a = ∫ā in nm, within 8 ε.
     pub integral: [R; 3],
     /// 1 / I_a, or 0 where I_a is 0.
     pub inverse: [R; 3],

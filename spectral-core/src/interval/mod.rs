@@ -48,7 +48,7 @@ pub struct Interval<R> {
 /// Relative slack that covers the rounding of one operator's bounds, in units of ε.
 const SLACK: f64 = 16.0;
 
-/// The relative error of a weight I_a in units of ε: interpolation of ā (2), a piece's formula (1), the table rounded to the type
+/// The relative error of a [`Weight`]'s I_a in units of ε: interpolation of ā (2), a piece's formula (1), the table rounded to the type
 /// (½) and the compensated sum (2), with some to spare.
 const WEIGHT_ROUNDING: f64 = 8.0;
 
