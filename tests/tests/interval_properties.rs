@@ -73,8 +73,7 @@ fn bounds_hold_for_both_signs<R: Real>(seed: u64, cases: u32) {
             let level = draw.index(0..5);
             let index = u16::try_from(draw.index(0..1 << level)).unwrap();
             for node in [Node::ROOT, Node::new(u8::try_from(level).unwrap(), index).unwrap()] {
-                let dense =
-                    Dense::new(&observer, &truths.iter().collect::<Vec<_>>(), node.limits(), LEAVES + 1);
+                let dense = Dense::new(&observer, &truths.iter().collect::<Vec<_>>(), node.limits(), LEAVES + 1);
                 let weight = domain.weight(node);
                 for ops in &programs {
                     let program = Program::new(ops).unwrap();

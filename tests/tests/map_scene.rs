@@ -148,6 +148,25 @@ fn what_has_no_meaning_has_no_value() {
     assert_eq!(colour.without_value, colour.without_light + colour.without_surface);
 }
 
+/// What sees no surface is not dark: there is no value, and that is the reason, for luminance and for measures of colour.
+#[test]
+fn what_sees_nothing_is_no_darkness() {
+    let (nodes, _) = lamp("FL2");
+    let quantities = [Quantity::Luminance, Quantity::Acv, Quantity::Luminance];
+    let made = maps(&scene(&nodes, "direct"), &MapOptions { of: Some(Of::Radiance), ..options(&quantities, [33, 25]) });
+    // A quantity that is asked for twice is measured once.
+    assert_eq!(made.maps.len(), 2);
+    for map in &made.maps {
+        let found = &map.statistics;
+        assert!(found.without_surface > 0 && found.without_value >= found.without_surface, "{found:?}");
+        let (corner, seen) = (value(map, 0, 0), value(map, 16, 12));
+        assert!(corner.is_nan() && seen > 0.0, "{}: {corner} {seen}", map.quantity);
+        let background = map.values.pixels().iter().filter(|v| v.is_nan()).count();
+        assert_eq!((found.without_value, found.without_light), (background, background - found.without_surface));
+    }
+    assert_eq!(made.maps[0].statistics.without_light, 0);
+}
+
 #[test]
 fn what_makes_no_map_is_refused() {
     let (nodes, _) = lamp("FL2");

@@ -14,7 +14,9 @@ use renderers::render::{BetweenOptions, Options, Renderer, Spectra, SpectrumSink
 use renderers::scene::builtin;
 use renderers::spectral::{Palette, UniformBins};
 use spectral_core::colour::rgb::xyz_to_linear_rgb;
-use spectral_core::spectrum::Outside;
+use spectral_core::light::IndexMeter;
+use spectral_core::spectrum::{Outside, RadiationConstant};
+use spectral_core::summation::SumGrid;
 use spectral_core::tables::fluorescent::FL2;
 
 fn folder(name: &str) -> PathBuf {
@@ -269,6 +271,77 @@ fn stored_spectra_are_measured_as_lamps_are() {
     }
     let error = of_spectra(&stored(5, 380), &[Quantity::Illuminance]).unwrap_err().to_string();
     assert!(error.contains("illuminance is not a quantity of radiance"), "{error}");
+}
+
+/// Spectra are constant for half a step beyond their ends, and 0 further out.
+#[test]
+fn spectra_end_half_a_step_beyond_their_wavelengths() {
+    let of = |wavelengths: &[f64], value: &dyn Fn(f64) -> f64| {
+        let mut picture = SpectralPicture::black(1, 1, wavelengths).unwrap();
+        picture.add([0, 0], &wavelengths.iter().map(|w| value(*w)).collect::<Vec<_>>(), 1.0);
+        let (maps, _) = of_spectra(&picture, &[Quantity::Sy, Quantity::Luminance]).unwrap();
+        [0, 1].map(|index| f64::from(maps[index].values.pixels()[0]))
+    };
+    let coarse: Vec<f64> = (410..=690).step_by(20).map(f64::from).collect();
+    let whole: Vec<f64> = (380..=780).step_by(5).map(f64::from).collect();
+    let (short, long) = (of(&coarse, &|_| 1.0), of(&whole, &|w| if (400.0..=700.0).contains(&w) { 1.0 } else { 0.0 }));
+    for (short, long) in short.into_iter().zip(long) {
+        assert!(long > 0.0 && (short / long - 1.0).abs() <= 4.0 * f64::from(f32::EPSILON), "{short} {long}");
+    }
+}
+
+/// Beyond the ends of the locus there is no distance from it, but a circadian factor.
+#[test]
+fn lights_beyond_the_locus_have_no_distance_from_it() {
+    let wavelengths: Vec<f64> = (380..=780).step_by(5).map(f64::from).collect();
+    let line = |centre: f64| -> Vec<f64> {
+        wavelengths.iter().map(|w| if (w - centre).abs() <= 5.0 { 1.0 } else { 0.0 }).collect()
+    };
+    let meter = Box::new(IndexMeter::<f64, 81>::new(SumGrid::CIE_5NM, RadiationConstant::Its1990));
+    let (mut beyond, mut within) = (0, 0);
+    for centre in (400..=700).step_by(20).map(f64::from) {
+        let light = line(centre);
+        let mut picture = SpectralPicture::black(1, 1, &wavelengths).unwrap();
+        picture.add([0, 0], &light, 1.0);
+        let (maps, _) = of_spectra(&picture, &[Quantity::Duv, Quantity::Acv]).unwrap();
+        let [duv, acv] = [0, 1].map(|index| f64::from(maps[index].values.pixels()[0]));
+        let expected = meter.measure(<&[f64; 81]>::try_from(light.as_slice()).unwrap()).unwrap().chromaticity.cct;
+        assert!(acv.is_finite(), "{centre}");
+        if expected.is_in_range() {
+            assert!((duv - expected.duv).abs() <= 1e-6, "{centre}: {duv} {expected:?}");
+            within += 1;
+        } else {
+            assert!(duv.is_nan(), "{centre}: {duv}");
+            beyond += 1;
+        }
+    }
+    assert!(beyond > 0 && within > 0, "{beyond} {within}");
+}
+
+/// The median between the two in the middle, and the range that leaves out half a per cent on either side, to the nearest pixel.
+#[test]
+fn maps_are_summed_up_in_a_few_numbers() {
+    let wavelengths: Vec<f64> = (380..=780).step_by(5).map(f64::from).collect();
+    let of = |count: usize, level: &dyn Fn(usize) -> f64| {
+        let mut picture = SpectralPicture::black(count, 1, &wavelengths).unwrap();
+        (0..count).for_each(|x| picture.add([x, 0], &vec![1.0; wavelengths.len()], level(x)));
+        of_spectra(&picture, &[Quantity::Luminance]).unwrap().0.remove(0)
+    };
+    let near = |found: f64, expected: f64| (found / expected - 1.0).abs() <= 4.0 * f64::from(f32::EPSILON);
+    let levels = [3.0, 1.0, 10.0, 2.0];
+    let four = of(4, &|x| levels[x]);
+    let one = four.statistics.min;
+    for (found, expected) in [
+        (four.statistics.median, 2.5),
+        (four.statistics.mean, 4.0),
+        (four.statistics.max, 10.0),
+        (of(3, &|x| levels[x]).statistics.median, 3.0),
+    ] {
+        assert!(near(found / one, expected), "{found} {expected}");
+    }
+    // 0.005 of 150 steps is 0.75: the second pixel; 0.995 of them 149.25.
+    let [low, high] = of(151, &|x| f64::from(u32::try_from(150 - x).unwrap()) + 1.0).usual_range().unwrap();
+    assert!(near(low / one, 2.0) && near(high / one, 150.0), "{low} {high}");
 }
 
 /// Radiance files: each component within 1/128 of its pixel's largest.

@@ -139,6 +139,28 @@ mod tests {
         }
     }
 
+    /// A spectrum that is 0 outside its nodes, with steps there, counts for as much of the range as it covers.
+    #[test]
+    fn what_is_outside_the_nodes_is_dark() {
+        for (first, last, share) in
+            [(400.0, 700.0, 300.0), (300.0, 700.0, 320.0), (580.0, 900.0, 200.0), (381.0, 779.0, 398.0)]
+        {
+            let part = Tabulated { wavelengths: vec![first, last], values: vec![0.5; 2] };
+            let of = Functional::Constant.of(&part);
+            assert!((of - 0.5 * share / 400.0).abs() <= 1e-15, "{first} to {last}: {of}");
+        }
+    }
+
+    /// Components below zero count by their size: colours out of gamut are no darker for it.
+    #[test]
+    fn components_below_zero_count_by_their_size() {
+        let luminances = [0.2651, 0.6701, 0.0648];
+        for function in ALL {
+            let positive = function.of_components(luminances, [0.3, 0.1, 0.8]);
+            assert_eq!(function.of_components(luminances, [-0.3, 0.1, -0.8]), positive, "{function}");
+        }
+    }
+
     /// Means over bins are a spectrum's as it is, but for its intensity, which they blunt.
     #[test]
     fn bins_have_the_spectrums_numbers() {

@@ -195,3 +195,7 @@ fn budget(points: &[Point], error: f64) -> Option<Budget> {
         operations: least.operations,
     })
 }
+
+#[cfg(test)]
+#[allow(clippy::expect_used, reason = "a test stops at the first thing that should not be")]
+mod tests;

@@ -73,3 +73,25 @@ pub fn r96<R: Real, const M: usize>(
         general,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::nearest_r96_reference;
+
+    /// Whites of lights from 6500 K to 2700 K: each is nearest to itself, also with a little less of one component.
+    #[test]
+    fn the_nearest_reference_is_the_nearest() {
+        let whites = [
+            [0.95, 1.0, 1.09],
+            [0.96, 1.0, 0.82],
+            [1.0, 1.0, 0.62],
+            [1.04, 1.0, 0.48],
+            [1.07, 1.0, 0.39],
+            [1.09, 1.0, 0.34],
+        ];
+        for (index, [x, y, z]) in whites.into_iter().enumerate() {
+            assert_eq!(nearest_r96_reference([x, y, z], &whites), index);
+            assert_eq!(nearest_r96_reference([0.999 * x, y, 0.999 * z], &whites), index);
+        }
+    }
+}
