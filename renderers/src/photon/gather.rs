@@ -296,7 +296,7 @@ impl Gather for Gatherer<'_> {
     }
 
     fn values(&self) -> usize {
-        self.representation.values()
+        self.representation.linear()
     }
 
     fn gather(&self, position: DVec3, normal: DVec3, primitive: u32, row: &mut [f64]) -> [f64; 3] {

@@ -12,11 +12,12 @@ use spectral_core::adaptive::Mode;
 use spectral_core::interval::Node;
 
 use super::bounds::{Bounds, Known, MOST_CELLS, bound, seen};
-use super::cell::{Cell, DEPTH, Spectra, Weights};
+use super::cell::{Cell, DEPTH, Row, Spectra};
 use super::coarse::Coarse;
 use super::field::{Field, Lit, Work};
 use super::intervals::IntervalRows;
 use super::representation::Representation;
+use super::slopes::Slopes;
 use super::solution::Lights;
 use super::system::Judgement;
 use super::transport::{Buffer, Buffers, Transport};
@@ -33,6 +34,9 @@ const ROUGH: f64 = 1e-9;
 const STUCK: f64 = 0.75;
 const SURE_CELLS: usize = 4;
 
+/// What the model plans for in the paper's mode, whose estimates fall more slowly than bounds, as a multiple of the threshold.
+const PAPER_START: f64 = 0.62;
+
 /// How a subdivision is found.
 #[derive(Clone, Copy, Debug)]
 struct Pace {
@@ -43,7 +47,7 @@ struct Pace {
 }
 
 /// Nearly all cells are planned: the worst patch's bound is up to twice what the model has, where it is dark in a corner.
-const PACE: Pace = Pace { start: 0.62, share: 0.6 };
+const PACE: Pace = Pace { start: 0.5, share: 0.6 };
 
 /// A subdivision that is refined in a model of the scene.
 struct Plan<'f> {
@@ -112,9 +116,11 @@ impl Plan<'_> {
         let rows = if mode == Mode::Certified && self.field.bounces.is_none() {
             self.field.estimate(&cells, &mut work)
         } else {
-            self.field.solve(mode, &cells, &mut work)
+            let solved = self.field.solve(mode, &cells, &mut work);
+            solved.into_iter().map(|rows| (rows, Slopes::default())).collect()
         };
-        self.cells.extend(cells.into_iter().zip(rows).map(|(cell, rows)| Known { cell, rows, settled: false }));
+        let known = |(cell, (rows, slopes))| Known { cell, rows, slopes, settled: false };
+        self.cells.extend(cells.into_iter().zip(rows).map(known));
     }
 }
 
@@ -147,9 +153,7 @@ impl Radiosity {
         pace: Pace,
     ) -> Result<Solution<'_>, RadiosityError> {
         let mode = settings.mode;
-        let mut weights = Weights::default();
-        let mut spectra =
-            Spectra::new(palette, mode == Mode::Certified, &mut weights).map_err(RadiosityError::Spectrum)?;
+        let mut spectra = Spectra::new(palette, mode == Mode::Certified).map_err(RadiosityError::Spectrum)?;
         let buffers = Buffers::default();
         let lamps = self.lamps();
         spectra.tabulate(&lamps);
@@ -169,7 +173,11 @@ impl Radiosity {
         }
         let mut report = self.report();
         let mut cells: Vec<Known> = Vec::new();
-        let start = if planned == Mode::Corrected { 1.0 } else { pace.start };
+        let start = match planned {
+            Mode::Corrected => 1.0,
+            Mode::Paper => PAPER_START,
+            Mode::Certified => pace.start,
+        };
         plan.refine(start * settings.threshold, &spectra, &lamps);
         loop {
             cells.retain(|known| plan.cells.iter().any(|planned| planned.is((known.cell.lamp, known.cell.node))));
@@ -206,22 +214,38 @@ impl Radiosity {
         cells: Vec<Cell>,
         buffers: &Buffers,
         report: &mut Report,
-    ) -> impl Iterator<Item = Known> + use<> {
+    ) -> Vec<Known> {
+        let (black, cells): (Vec<Cell>, Vec<Cell>) =
+            cells.into_iter().partition(|cell| cell.is_black(&field.reflectances));
         let rows = self.working(buffers, report, |work| {
-            if estimated { field.estimate(&cells, work) } else { field.solve(mode, &cells, work) }
+            if estimated {
+                return field.estimate(&cells, work);
+            }
+            let solved = field.solve(mode, &cells, work);
+            solved.into_iter().map(|rows| (rows, Slopes::default())).collect()
         });
-        cells.into_iter().zip(rows).map(move |(cell, rows)| Known { cell, rows, settled: !estimated })
+        let settled = !estimated;
+        let found = cells.into_iter().zip(rows).map(|(cell, (rows, slopes))| Known { cell, rows, slopes, settled });
+        let nothing = vec![Row::default(); field.surface.len()];
+        let black = black.into_iter().map(|cell| Known {
+            cell,
+            rows: nothing.clone(),
+            slopes: Slopes::default(),
+            settled: true,
+        });
+        found.chain(black).collect()
     }
 
     /// Solves for the values of cells that have estimates.
     fn settle(&self, field: &Field<'_>, mode: Mode, cells: &mut [Known], buffers: &Buffers, report: &mut Report) {
-        let (mut open, mut rows) = (Vec::new(), Vec::new());
+        let (mut open, mut estimates) = (Vec::new(), Vec::new());
         for known in cells.iter_mut().filter(|known| !known.settled) {
             known.settled = true;
             open.push(known.cell.clone());
-            rows.push(&mut known.rows);
+            estimates.push((&mut known.rows, &known.slopes));
         }
-        self.working(buffers, report, |work| field.settle(mode, &open, rows, work));
+        self.working(buffers, report, |work| field.settle(mode, &open, estimates, work));
+        cells.iter_mut().for_each(|known| known.slopes = Slopes::default());
     }
 
     /// Does something that is told of in a report: passes, residuals and balance.

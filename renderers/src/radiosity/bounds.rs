@@ -9,6 +9,7 @@ use spectral_core::bound::{ColourBound, delta_e_bound};
 use spectral_core::interval::Node;
 
 use super::cell::{Cell, DEPTH, Row};
+use super::slopes::Slopes;
 use crate::spectral::IntervalSettings;
 
 /// The most cells.
@@ -16,12 +17,16 @@ pub(super) const MOST_CELLS: usize = 512;
 /// What splitting by patches aims at, as a share of the threshold, and what an estimate may be at most.
 const AIM: f64 = 0.95;
 const ESTIMATED: f64 = 0.97;
+/// Leaves whose colours are found by one task.
+const CHUNK: usize = 128;
 
 /// A cell with the radiosity of all leaves of a field.
 #[derive(Clone, Debug)]
 pub(super) struct Known {
     pub(super) cell: Cell,
     pub(super) rows: Vec<Row>,
+    /// What norms were found for, until values are known.
+    pub(super) slopes: Slopes,
     /// Whether the values are solved for; until then they are estimates.
     pub(super) settled: bool,
 }
@@ -63,11 +68,18 @@ impl Bounds {
     pub(super) fn new(settings: &IntervalSettings, cells: &[Known]) -> Self {
         let (mode, white) = (settings.mode, settings.white());
         let leaves = cells.first().map_or(0, |known| known.rows.len());
-        let sum = |leaf: usize| {
-            let [xyz, radius] = sum(mode, cells, leaf);
-            ([xyz, radius], delta_e_bound(xyz, radius, white).delta_e)
-        };
-        let (sums, delta_e) = (0..leaves).into_par_iter().map(sum).unzip();
+        let (mut sums, mut delta_e) = (vec![[[0.0; 3]; 2]; leaves], vec![0.0; leaves]);
+        let chunks = sums.par_chunks_mut(CHUNK).zip(delta_e.par_chunks_mut(CHUNK)).enumerate();
+        chunks.for_each(|(chunk, (sums, delta_e))| {
+            for known in cells {
+                known.cell.add_colours(mode, &known.rows[chunk * CHUNK..][..sums.len()], sums);
+            }
+            for ([xyz, radius], delta_e) in sums.iter_mut().zip(delta_e) {
+                // Radiosity is π times radiance.
+                [*xyz, *radius] = [*xyz, *radius].map(|sum| sum.map(|v| v * core::f64::consts::FRAC_1_PI));
+                *delta_e = delta_e_bound(*xyz, *radius, white).delta_e;
+            }
+        });
         Self { mode, white, sums, delta_e }
     }
 

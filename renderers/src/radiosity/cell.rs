@@ -3,13 +3,20 @@
 //! Radiosity is linear in each lamp's spectrum E(λ), whatever lines that has; what a patch sends back, relative to E, depends on reflectances
 //! alone, which are smooth. So each part of the domain has the measures dν = E ā dλ for ā = x̄, ȳ, z̄: products of lamp and colour-matching
 //! function are leaves, integrated exactly, and what is split adaptively are the reflectances.
+//!
+//! On a part of the domain a spectrum is its mean in each channel, plus a slope, one for all channels, times the part's ramp φ, plus a rest that
+//! is bounded. φ is linear in λ, from −1 to 1 less its mean in the channel, so that it doesn't change means. The product of two spectra has the
+//! product of their means and slopes; where both rise or fall, their covariance adds to the mean. That is of the second order in the part's
+//! width; rests, and what they and the slopes of two spectra leave between them, are bounded by norms, and count in a mean by the third order.
 
 use rayon::prelude::*;
 use spectral_core::Observer;
 use spectral_core::adaptive::Mode;
-use spectral_core::interval::{Domain, Interval, MAX_DEPTH, Node, Weight, node_count, nodes};
+use spectral_core::interval::{MAX_DEPTH, Node, node_count, nodes};
 use spectral_core::spectrum::{PiecewiseLinear, Spectrum};
 
+use super::moments::{Leaf, LeafMoments, Moments};
+use super::ramp::{Line, Ramp};
 use crate::spectral::{Factor, Palette, Role, Tabulated, Y_INTEGRAL};
 
 /// How deep the domain may be split: 2¹² parts of 0.1 nm, because what reflects nearly all light only around one wavelength has
@@ -18,7 +25,7 @@ pub(super) const DEPTH: u8 = MAX_DEPTH;
 /// Down to this level, 64 parts, integrals are tabulated; those of greater parts are sums.
 const TABULATED: u8 = 6;
 /// Variances below this share of the squared maximum are rounding.
-const VARIANCE_ROUNDING: f64 = 1e-13;
+pub(super) const VARIANCE_ROUNDING: f64 = 1e-13;
 /// What rounding may cost a product or a sum, as a share of it.
 pub(super) const ROUNDING: f64 = 1e-13;
 /// Deviations below this share of the maximum are of rounding alone.
@@ -38,6 +45,17 @@ pub(super) struct Part {
     /// At least the greatest mean, and the greatest value.
     pub(super) most: f64,
     pub(super) high: f64,
+    /// What the [ramp](Cell) is multiplied by.
+    pub(super) slope: f64,
+    /// ∫ρφ dν / ∫dν in each channel, and at least how far rounding puts it off, over the least share.
+    pub(super) covariance: [f64; 3],
+    pub(super) unsure: f64,
+    /// At least the norm of ρ − mean − slope φ in any channel, over the root of its [share](Cell).
+    pub(super) rest: f64,
+    /// At least the same of (ρ − mean) φ less its mean.
+    pub(super) product: f64,
+    /// About the same of φ times what one slope for all channels leaves of the slope that light of slope 1 has when it is reflected.
+    pub(super) skew: f64,
 }
 
 /// A part of the domain under one lamp.
@@ -53,6 +71,7 @@ pub(super) struct Cell {
     share: [f64; 3],
     /// For each leaf of the palette, what it is as a reflectance; lights count as 1.
     parts: Vec<Part>,
+    pub(super) ramp: Ramp,
 }
 
 /// What is kept of a spectrum relative to the lamp's on a cell.
@@ -60,20 +79,24 @@ pub(super) struct Cell {
 pub(super) struct Row {
     /// ∫S dν / ∫dν in each channel, nearly.
     pub(super) value: [f64; 3],
-    /// Certified: at least √(∫(S − value)² dν / ∫dν) in any channel. First order: the mean of all channels.
+    /// Certified: what the cell's [ramp](Cell) is multiplied by. Not used by the first order.
+    pub(super) slope: f64,
+    /// Certified: at least √(∫(S − value − slope φ)² dν / ∫dν) in any channel. First order: the mean of all channels.
     pub(super) norm: f64,
     /// Certified: how far any of `value` may be off, but for the [share](Cell) of the channel. Not used by the first order.
     pub(super) radius: f64,
 }
 
 impl Row {
-    pub(super) fn new([x, y, z, norm, radius]: [f64; 5]) -> Self {
-        Self { value: [x, y, z], norm, radius }
+    pub(super) const NUMBERS: usize = 6;
+
+    pub(super) fn new([x, y, z, slope, norm, radius]: [f64; Self::NUMBERS]) -> Self {
+        Self { value: [x, y, z], slope, norm, radius }
     }
 
-    pub(super) const fn numbers(&self) -> [f64; 5] {
+    pub(super) const fn numbers(&self) -> [f64; Self::NUMBERS] {
         let [x, y, z] = self.value;
-        [x, y, z, self.norm, self.radius]
+        [x, y, z, self.slope, self.norm, self.radius]
     }
 
     /// The spectrum times a number that isn't negative.
@@ -94,25 +117,56 @@ impl Cell {
             deviation: times(part.deviation),
             most: times(part.most),
             high: times(part.high),
+            slope: times(part.slope),
+            covariance: part.covariance.map(times),
+            unsure: times(part.unsure),
+            rest: times(part.rest),
+            product: times(part.product),
+            skew: times(part.skew),
         }
     }
 
     /// A spectrum times a reflectance.
     ///
-    /// With δ = ρ − mean: |∫ρS − mean·value| ≤ mean·radius + ‖δ‖ ‖S − value‖, and
-    /// ‖ρS − mean·value‖ ≤ sup ρ ‖S − value‖ + ‖δ‖ value, all over ∫dν.
-    pub(super) fn reflected(mode: Mode, part: &Part, row: &Row) -> Row {
-        let value: [f64; 3] = core::array::from_fn(|a| part.mean[a] * row.value[a]);
+    /// With δ = ρ − mean = slope φ + ε and S = value + s φ + R up to the radius, ρS has the mean mean·value + cov s, but for δR; and
+    /// ρS − that is (slope value + mean s) φ + ε value + (δφ − cov) s + ρR. So a radius becomes mean·radius + ‖δ‖ ‖R‖, and the rest's norm
+    /// sup ρ ‖R‖ + ‖ε‖ value + ‖δφ − cov‖ |s| and ‖φ‖ times what one slope for all channels is off.
+    pub(super) fn reflected(&self, mode: Mode, part: &Part, row: &Row) -> Row {
         if mode != Mode::Certified {
-            return Row { value, norm: part.common * row.norm, radius: 0.0 };
+            let value = core::array::from_fn(|a| part.mean[a] * row.value[a]);
+            return Row { value, norm: part.common * row.norm, ..Row::default() };
         }
+        let value: [f64; 3] = core::array::from_fn(|a| part.mean[a] * row.value[a] + part.covariance[a] * row.slope);
+        let mean: f64 = row.value.iter().zip(self.ramp.weights).map(|(v, w)| v * w).sum();
+        let slope = part.slope * mean + part.common * row.slope;
+        let off = |a: usize| (part.slope * row.value[a] + part.mean[a] * row.slope - slope).abs() * self.ramp.norm[a];
+        let off = (0..3).fold(0.0, |m: f64, a| m.max(off(a)));
         let most = row.value.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
+        // What rounding may do to a value, and to a slope as a norm.
+        let size = part.high * (most + row.slope.abs());
         let up = 1.0 + ROUNDING;
         Row {
             value,
-            norm: (part.high * row.norm + part.deviation * most) * up,
+            slope,
+            norm: (part.high * row.norm + part.rest * most + part.product * row.slope.abs() + off) * up
+                + ROUNDING * self.ramp.most() * (part.slope.abs() * most + size),
             radius: (part.most * row.radius + part.deviation * row.norm) * up
-                + ROUNDING / LEAST_SHARE * part.most * most,
+                + part.unsure * row.slope.abs()
+                + ROUNDING / LEAST_SHARE * size,
+        }
+    }
+
+    /// Whether all of these reflectances reflect nothing.
+    pub(super) fn is_black(&self, reflectances: &[Factor]) -> bool {
+        reflectances.iter().all(|factor| self.part(*factor).high <= 0.0)
+    }
+
+    /// Adds the [colours](Self::colour) of rows of radiosity, and how far they may be off, to those of other cells.
+    pub(super) fn add_colours(&self, mode: Mode, rows: &[Row], sums: &mut [[[f64; 3]; 2]]) {
+        for (row, [xyz, radius]) in rows.iter().zip(sums) {
+            let (value, around) = self.colour(mode, row);
+            *xyz = sum(*xyz, value);
+            *radius = sum(*radius, around);
         }
     }
 
@@ -135,8 +189,7 @@ impl Cell {
 
 /// The spectra of a palette, ready for integration over parts of the domain.
 pub(super) struct Spectra<'p> {
-    leaves: Vec<(PiecewiseLinear<'p, f64>, Role)>,
-    domain: Domain<'p, f64>,
+    leaves: Vec<Leaf<'p>>,
     /// Whether second moments are needed, too.
     deviations: bool,
     /// The greatest value of each leaf in the visible domain.
@@ -145,48 +198,17 @@ pub(super) struct Spectra<'p> {
     tables: Vec<Vec<Moments>>,
 }
 
-/// Room for the weights of a domain: only those of all of it, as integrals of products need none.
-pub(super) type Weights = [Weight<f64>; 1];
-
-/// The integrals of a lamp's spectrum, with the colour-matching functions, over a part of the domain.
-#[derive(Clone, Debug)]
-struct Moments {
-    mass: [f64; 3],
-    leaves: Vec<LeafMoments>,
-}
-
-/// The integrals with a reflectance and with its square, and its least and greatest value.
-#[derive(Clone, Copy, Debug)]
-struct LeafMoments {
-    firsts: [f64; 3],
-    seconds: [f64; 3],
-    range: [f64; 2],
-}
-
 fn sum(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     core::array::from_fn(|i| a[i] + b[i])
 }
 
-impl Moments {
-    /// The same over two parts.
-    fn over_both(&self, other: &Self) -> Self {
-        let both = |(a, b): (&LeafMoments, &LeafMoments)| LeafMoments {
-            firsts: sum(a.firsts, b.firsts),
-            seconds: sum(a.seconds, b.seconds),
-            range: [a.range[0].min(b.range[0]), a.range[1].max(b.range[1])],
-        };
-        Self { mass: sum(self.mass, other.mass), leaves: self.leaves.iter().zip(&other.leaves).map(both).collect() }
-    }
-}
-
 impl<'p> Spectra<'p> {
     /// Without `deviations`, parts have none.
-    pub(super) fn new(palette: &'p Palette, deviations: bool, weights: &'p mut Weights) -> Result<Self, String> {
-        let domain = Domain::build(Observer::cie_1931_2deg(), 0, weights).map_err(|e| e.to_string())?;
+    pub(super) fn new(palette: &'p Palette, deviations: bool) -> Result<Self, String> {
         let leaf = |(leaf, role): &'p (Tabulated, Role)| Ok::<_, String>((leaf.spectrum()?, *role));
         let leaves = palette.leaves().iter().map(leaf).collect::<Result<Vec<_>, _>>()?;
         let greatest = leaves.iter().map(|(leaf, _)| range(leaf, Node::ROOT)[1]).collect();
-        Ok(Self { leaves, domain, deviations, greatest, tables: Vec::new() })
+        Ok(Self { leaves, deviations, greatest, tables: Vec::new() })
     }
 
     /// Integrates all products with these lamps' spectra.
@@ -208,55 +230,51 @@ impl<'p> Spectra<'p> {
     }
 
     fn integrated(&self, lamp: Option<u32>, node: Node) -> Moments {
-        let light = lamp.and_then(|leaf| self.leaves.get(leaf as usize)).map(|(s, _)| s as &dyn Spectrum<f64>);
-        let of_leaf = |(leaf, role): &(PiecewiseLinear<'_, f64>, Role)| {
-            let is_light = *role == Role::Light;
-            let firsts = if is_light { [0.0; 3] } else { self.integrals(light, &[leaf], node) };
-            let squared = self.deviations && !is_light;
-            let seconds = if squared { self.integrals(light, &[leaf, leaf], node) } else { [0.0; 3] };
-            LeafMoments { firsts, seconds, range: range(leaf, node) }
-        };
-        Moments { mass: self.integrals(light, &[], node), leaves: self.leaves.iter().map(of_leaf).collect() }
+        let lamp = lamp.and_then(|leaf| self.leaves.get(leaf as usize)).map(|(lamp, _)| lamp);
+        Moments::new(&Observer::cie_1931_2deg(), lamp, &self.leaves, node)
     }
 
     /// A part under a lamp, or `None` where that sends nothing that is seen.
     pub(super) fn cell(&self, lamp: usize, light: Option<u32>, node: Node) -> Option<Cell> {
         let known = self.tables.get(lamp).and_then(|table| table.get(node.position()));
         let integrated = known.is_none().then(|| self.integrated(light, node));
-        let Moments { mass, leaves } = known.or(integrated.as_ref())?;
+        let moments = known.or(integrated.as_ref())?;
+        let Moments { mass, leaves, .. } = moments;
         if !mass.iter().any(|m| *m > 0.0) {
             return None;
         }
         let mut share = [LEAST_SHARE; 3];
         let mut part = |(moments, (_, role)): (&LeafMoments, &(PiecewiseLinear<'_, f64>, Role))| {
             if *role == Role::Light {
-                return ONE;
+                return (ONE, [0.0; 3]);
             }
             let (mut part, deviations) = self.part(moments, *mass);
             if part.deviation <= CONSTANT * part.high {
                 // Of rounding alone, which is no less in one channel than in another.
                 part.deviation /= LEAST_SHARE.sqrt();
-                return part;
+                return (part, deviations);
             }
             for (share, deviation) in share.iter_mut().zip(deviations) {
                 *share = share.max((deviation / part.deviation).powi(2).min(1.0));
             }
+            (part, deviations)
+        };
+        let found: Vec<(Part, [f64; 3])> = leaves.iter().zip(&self.leaves).map(&mut part).collect();
+        let line = Line::new(node, moments);
+        let ramp = line.ramp(share);
+        let inclined = |(((mut part, deviations), moments), (_, role)): (((Part, [f64; 3]), _), &(_, Role))| {
+            if self.deviations && *role != Role::Light {
+                line.incline(&mut part, moments, deviations, (share, &ramp));
+            }
             part
         };
-        let parts = leaves.iter().zip(&self.leaves).map(&mut part).collect();
-        Some(Cell { lamp, node, mass: mass.map(|m| m.max(0.0) / Y_INTEGRAL), share, parts })
-    }
-
-    /// The integrals of a product with a lamp and the colour-matching functions.
-    fn integrals(&self, light: Option<&dyn Spectrum<f64>>, more: &[&dyn Spectrum<f64>], node: Node) -> [f64; 3] {
-        let factors: Vec<_> = light.into_iter().chain(more.iter().copied()).collect();
-        let product = Interval::of_product(&factors, &self.domain, node, &Interval::zero());
-        product.tristimulus(&self.domain.weight(node))
+        let parts = found.into_iter().zip(leaves).zip(&self.leaves).map(inclined).collect();
+        Some(Cell { lamp, node, mass: mass.map(|m| m.max(0.0) / Y_INTEGRAL), share, parts, ramp })
     }
 
     /// A reflectance on a part, and at least its deviation in each channel.
     fn part(&self, moments: &LeafMoments, mass: [f64; 3]) -> (Part, [f64; 3]) {
-        let LeafMoments { firsts, seconds, range: [low, high] } = *moments;
+        let LeafMoments { firsts, seconds, range: [low, high], .. } = *moments;
         let weighted = |v: [f64; 3]| v.iter().zip(mass).map(|(v, m)| v * m).sum::<f64>();
         let common = (weighted(firsts) / weighted(mass)).clamp(low, high);
         // Nothing depends on the mean in a channel that sees nothing.
@@ -272,8 +290,9 @@ impl<'p> Spectra<'p> {
             (exact.min(most).max(0.0) + VARIANCE_ROUNDING * high * high).sqrt()
         });
         let greatest = |v: [f64; 3]| v.iter().fold(0.0, |m: f64, v| m.max(*v)) * (1.0 + ROUNDING);
-        let part = Part { mean, common, deviation: greatest(deviations), most: greatest(mean).max(common), high };
-        (part, deviations)
+        let (deviation, most) = (greatest(deviations), greatest(mean).max(common));
+        // As without a slope.
+        (Part { mean, common, deviation, most, high, rest: deviation, ..Part::default() }, deviations)
     }
 
     /// The greatest value of a reflectance in the visible domain.
@@ -296,10 +315,22 @@ impl<'p> Spectra<'p> {
 }
 
 /// The reflectance 1.
-const ONE: Part = Part { mean: [1.0; 3], common: 1.0, deviation: 0.0, most: 1.0, high: 1.0 };
+const ONE: Part = Part {
+    mean: [1.0; 3],
+    common: 1.0,
+    deviation: 0.0,
+    most: 1.0,
+    high: 1.0,
+    slope: 0.0,
+    covariance: [0.0; 3],
+    unsure: 0.0,
+    rest: 0.0,
+    product: 0.0,
+    skew: 0.0,
+};
 
 /// At most the least and at least the greatest value on a part.
-fn range(spectrum: &PiecewiseLinear<'_, f64>, node: Node) -> [f64; 2] {
+pub(super) fn range(spectrum: &PiecewiseLinear<'_, f64>, node: Node) -> [f64; 2] {
     let [from, to] = node.limits::<f64>();
     let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
     let mut note = |value: f64| (low, high) = (low.min(value), high.max(value));

@@ -75,7 +75,7 @@ impl Form {
 pub(crate) trait Gather: Sync {
     /// Numbers in a row.
     fn width(&self) -> usize;
-    /// How many of them, the first ones, are light; the others bound errors.
+    /// How many of them, the first ones, add up with any sign; the others bound errors.
     fn values(&self) -> usize;
     /// The irradiance at a place, and its tristimulus values.
     fn gather(&self, position: DVec3, normal: DVec3, primitive: u32, row: &mut [f64]) -> [f64; 3];

@@ -6,17 +6,17 @@ use super::cell::{Cell, Row};
 use super::representation::{Representation, Tristimulus};
 use crate::spectral::Factor;
 
-/// The numbers of a cell: three values; by Iehl and Péroche the mean of all channels, too; for the certified mode norm and radius.
+/// The numbers of a cell: three values; by Iehl and Péroche the mean of all channels, too; for the certified mode slope, norm and radius.
 pub(super) const fn numbers(mode: Mode) -> usize {
     match mode {
         Mode::Corrected => 3,
         Mode::Paper => 4,
-        Mode::Certified => 5,
+        Mode::Certified => Row::NUMBERS,
     }
 }
 
 /// Spectra as means on intervals, for each lamp's spectrum by itself: first the three channels' means on all intervals, then by mode the mean
-/// of all channels on each, or all norms and then all radii.
+/// of all channels on each, or all slopes, then all norms and then all radii.
 #[derive(Clone, Debug)]
 pub(super) struct IntervalRows {
     pub(super) mode: Mode,
@@ -32,19 +32,23 @@ impl IntervalRows {
         let number = |index: usize| row.get(index).copied().unwrap_or(0.0);
         Row {
             value: core::array::from_fn(|a| number(3 * cell + a)),
-            norm: number(3 * count + cell),
-            radius: number(4 * count + cell),
+            slope: if self.mode == Mode::Certified { number(3 * count + cell) } else { 0.0 },
+            norm: number(if self.mode == Mode::Certified { 4 * count + cell } else { 3 * count + cell }),
+            radius: number(5 * count + cell),
         }
     }
 
     pub(super) fn put(&self, row: &mut [f64], cell: usize, numbers: &Row) {
         let count = self.cells.len();
         row[3 * cell..][..3].copy_from_slice(&numbers.value);
-        if self.mode != Mode::Corrected {
-            row[3 * count + cell] = numbers.norm;
-        }
-        if self.mode == Mode::Certified {
-            row[4 * count + cell] = numbers.radius;
+        match self.mode {
+            Mode::Corrected => {}
+            Mode::Paper => row[3 * count + cell] = numbers.norm,
+            Mode::Certified => {
+                row[3 * count + cell] = numbers.slope;
+                row[4 * count + cell] = numbers.norm;
+                row[5 * count + cell] = numbers.radius;
+            }
         }
     }
 }
@@ -61,14 +65,14 @@ impl Representation for IntervalRows {
         for (index, cell) in self.cells.iter().enumerate() {
             if self.lamps.get(cell.lamp) == Some(&factor.leaf) {
                 let norm = if self.mode == Mode::Certified { 0.0 } else { factor.scale };
-                self.put(row, index, &Row { value: [factor.scale; 3], norm, radius: 0.0 });
+                self.put(row, index, &Row { value: [factor.scale; 3], norm, ..Row::default() });
             }
         }
     }
 
     fn reflect(&self, factor: Factor, row: &mut [f64]) {
         for (index, cell) in self.cells.iter().enumerate() {
-            let reflected = Cell::reflected(self.mode, &cell.part(factor), &self.at(row, index));
+            let reflected = cell.reflected(self.mode, &cell.part(factor), &self.at(row, index));
             self.put(row, index, &reflected);
         }
     }
@@ -79,7 +83,7 @@ impl Representation for IntervalRows {
             let mut light = self.at(row, index);
             for leaf in leaves.iter().rev() {
                 let part = cell.part(Factor { scale: 1.0, leaf: Some(*leaf) });
-                light = Cell::reflected(self.mode, &part, &light);
+                light = cell.reflected(self.mode, &part, &light);
             }
             let (value, radius) = cell.colour(self.mode, &light);
             sum.value = core::array::from_fn(|a| sum.value[a] + value[a]);
@@ -98,6 +102,11 @@ impl Representation for IntervalRows {
 
     fn values(&self) -> usize {
         (3 * self.cells.len()).max(1)
+    }
+
+    fn linear(&self) -> usize {
+        let slopes = if self.mode == Mode::Certified { self.cells.len() } else { 0 };
+        self.values() + slopes
     }
 
     fn is_diagonal(&self) -> bool {

@@ -53,7 +53,20 @@ impl<'k, const W: usize> Kinds<'k, W> {
     }
 }
 
-/// At least the solution X, at least K X, and how often this was carried through the operator.
+/// The reflectances of leaves and of groups, and what solves for groups.
+pub(super) type Reflecting<'a, const W: usize> = (Kinds<'a, W>, &'a [[f64; W]], &'a Factored<W>);
+
+/// S − (X − ρ K X), from X and K X.
+fn residue<const W: usize>(
+    (source, reflectance): (&[[f64; W]], Kinds<'_, W>),
+    (values, irradiance): (&[[f64; W]], &[[f64; W]]),
+    residual: &mut [[f64; W]],
+) {
+    let rows = residual.iter_mut().zip(source).zip(values).zip(irradiance).zip(reflectance.rows());
+    rows.for_each(|((((r, s), v), k), rho)| *r = each(|i| s[i] - (v[i] - rho[i] * k[i])));
+}
+
+/// At least the solution X, or nearly, K X as well, and how often this was carried through the operator.
 pub(super) struct Majorant<const W: usize> {
     pub(super) values: Vec<[f64; W]>,
     pub(super) irradiance: Vec<[f64; W]>,
@@ -79,15 +92,7 @@ impl Above<'_> {
         let mut residual = source.to_vec();
         let (mut passes, mut before) = (0, f64::INFINITY);
         loop {
-            self.transport.apply_rows(&residual, &mut irradiance, buffer);
-            let smooth = self.smooth(&factored, of_groups, &irradiance);
-            let spread = self.coarse.spread.chunks(self.coarse.count().max(1));
-            let rows = values.iter_mut().zip(&residual).zip(&irradiance).zip(reflectance.rows()).zip(spread);
-            for ((((v, r), k), rho), spread) in rows {
-                let light = spread.iter().zip(&smooth).fold(*k, |sum, (e, c)| each(|i| sum[i] + e * c[i]));
-                *v = each(|i| v[i] + r[i] + rho[i] * light[i]);
-            }
-            self.transport.apply_rows(&values, &mut irradiance, buffer);
+            self.cycle((reflectance, of_groups, &factored), &residual, (&mut values, &mut irradiance), buffer);
             passes += 2 * W;
             let raise = self.raise(source, &values, &irradiance, reflectance);
             let left = raise.left.iter().fold(0.0, |m, left| greater(m, *left));
@@ -97,9 +102,47 @@ impl Above<'_> {
                 return Majorant { values, irradiance, passes };
             }
             before = left;
-            let rows = residual.iter_mut().zip(source).zip(&values).zip(&irradiance).zip(reflectance.rows());
-            rows.for_each(|((((r, s), v), k), rho)| *r = each(|i| s[i] - (v[i] - rho[i] * k[i])));
+            residue((source, reflectance), (&values, &irradiance), &mut residual);
         }
+    }
+
+    /// Nearly the solution of X = S + ρ K X, for any sources, by so many cycles.
+    pub(super) fn near<const W: usize>(
+        &self,
+        source: &[[f64; W]],
+        (reflectance, of_groups, factored): Reflecting<'_, W>,
+        cycles: usize,
+        buffer: &mut Buffer,
+    ) -> Majorant<W> {
+        let mut values = vec![[0.0; W]; source.len()];
+        let mut irradiance = vec![[0.0; W]; source.len()];
+        let mut residual = source.to_vec();
+        for cycle in 0..cycles {
+            if cycle > 0 {
+                residue((source, reflectance), (&values, &irradiance), &mut residual);
+            }
+            self.cycle((reflectance, of_groups, factored), &residual, (&mut values, &mut irradiance), buffer);
+        }
+        Majorant { values, irradiance, passes: 2 * cycles * W }
+    }
+
+    /// Adds to values what solves for their residual, nearly, and finds K times them.
+    fn cycle<const W: usize>(
+        &self,
+        (reflectance, of_groups, factored): Reflecting<'_, W>,
+        residual: &[[f64; W]],
+        (values, irradiance): (&mut [[f64; W]], &mut [[f64; W]]),
+        buffer: &mut Buffer,
+    ) {
+        self.transport.apply_rows(residual, irradiance, buffer);
+        let smooth = self.smooth(factored, of_groups, irradiance);
+        let spread = self.coarse.spread.chunks(self.coarse.count().max(1));
+        let rows = values.iter_mut().zip(residual).zip(&*irradiance).zip(reflectance.rows()).zip(spread);
+        for ((((v, r), k), rho), spread) in rows {
+            let light = spread.iter().zip(&smooth).fold(*k, |sum, (e, c)| each(|i| sum[i] + e * c[i]));
+            *v = each(|i| v[i] + r[i] + rho[i] * light[i]);
+        }
+        self.transport.apply_rows(values, irradiance, buffer);
     }
 
     /// What groups send out of an irradiance and of its reflections, as if each group received its mean.

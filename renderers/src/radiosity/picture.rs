@@ -154,7 +154,7 @@ impl Gather for Gathering<'_, '_> {
         self.field.solution.width()
     }
     fn values(&self) -> usize {
-        self.field.solution.representation().values()
+        self.field.solution.representation().linear()
     }
     fn gather(&self, position: DVec3, normal: DVec3, primitive: u32, row: &mut [f64]) -> [f64; 3] {
         let found = self.field.found(position, normal, primitive);

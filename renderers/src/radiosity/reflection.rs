@@ -192,7 +192,7 @@ fn without_caustics(solution: &Solution<'_>, reflected: &mut [f64]) {
     let mut lit = vec![0.0; emitted.len()];
     radiosity.transport.apply(&emitted, &mut lit, width, &mut Buffer::default());
     let direct = radiosity.direct(&solution.lights.sources, width, 0, width);
-    let values = solution.representation().values();
+    let linear = solution.representation().linear();
     let rows = reflected.chunks_mut(width).zip(lit.chunks_mut(width)).zip(direct.chunks(width));
     for (leaf, ((row, lit), direct)) in leaves.iter().zip(rows) {
         let side = &sides[side_of(leaf)];
@@ -200,7 +200,7 @@ fn without_caustics(solution: &Solution<'_>, reflected: &mut [f64]) {
             lit.iter_mut().zip(direct).for_each(|(h, d)| *h += d);
             solution.representation().reflect(side.reflectance, lit);
             // Bounds of errors stay.
-            row[..values].iter_mut().zip(lit).for_each(|(r, h)| *r -= *h);
+            row[..linear].iter_mut().zip(lit).for_each(|(r, h)| *r -= *h);
         }
     }
 }

@@ -34,9 +34,14 @@ pub trait Representation: Debug + Sync {
         self.width()
     }
 
-    /// How many of a row's numbers, the first ones, are light; the others bound errors.
+    /// How many of a row's numbers, the first ones, are light.
     fn values(&self) -> usize {
         self.width()
+    }
+
+    /// How many of a row's numbers, the first ones, are those of a difference of lights where they are subtracted; the others bound errors.
+    fn linear(&self) -> usize {
+        self.values()
     }
 
     /// Whether a reflectance multiplies number by number.
@@ -68,6 +73,10 @@ impl<T: Representation + ?Sized> Representation for &T {
 
     fn values(&self) -> usize {
         (**self).values()
+    }
+
+    fn linear(&self) -> usize {
+        (**self).linear()
     }
 
     fn is_diagonal(&self) -> bool {
