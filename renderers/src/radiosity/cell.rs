@@ -348,3 +348,79 @@ pub(super) fn range(spectrum: &PiecewiseLinear<'_, f64>, node: Node) -> [f64; 2]
     let margin = ROUNDING * high.abs().max(low.abs());
     [low - margin, high + margin]
 }
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used, reason = "tests fail by panicking")]
+mod tests {
+    use spectral_core::Observer;
+    use spectral_core::adaptive::Mode;
+    use spectral_core::interval::Node;
+    use spectral_core::spectrum::Spectrum as _;
+
+    use super::{Row, Spectra};
+    use crate::spectral::{Factor, Palette, Role, Tabulated};
+
+    /// Wavelengths, and light as the three channels see it there, over a part.
+    fn dense(light: &Tabulated, node: Node) -> Vec<(f64, [f64; 3])> {
+        const COUNT: u32 = 4000;
+        let ([from, to], observer) = (node.limits::<f64>(), Observer::<f64>::cie_1931_2deg());
+        let light = light.spectrum().unwrap();
+        let at = |index: u32| from + (to - from) * (f64::from(index) + 0.5) / f64::from(COUNT);
+        (0..COUNT).map(at).map(|w| (w, observer.value(w).map(|a| a * light.value(w)))).collect()
+    }
+
+    fn mean(points: &[(f64, [f64; 3])], channel: usize, of: impl Fn(f64) -> f64) -> f64 {
+        let (sum, mass) = points
+            .iter()
+            .fold((0.0, 0.0), |(sum, mass), (w, seen)| (sum + seen[channel] * of(*w), mass + seen[channel]));
+        sum / mass
+    }
+
+    /// Light that is reflected by five surfaces in turn, whose spectra rise, fall and have peaks, is within its row's bounds on parts of all sizes
+    /// in all channels; radii fall by the third power of the width.
+    #[test]
+    fn reflected_light_is_within_its_bounds() {
+        let mut palette = Palette::default();
+        let lamp =
+            Tabulated { wavelengths: vec![380.0, 520.0, 545.0, 570.0, 780.0], values: vec![0.2, 1.0, 4.0, 1.0, 2.0] };
+        let surfaces = [
+            Tabulated { wavelengths: vec![380.0, 780.0], values: vec![0.05, 0.95] },
+            Tabulated { wavelengths: vec![380.0, 600.0, 780.0], values: vec![0.9, 0.3, 0.25] },
+            Tabulated::sampled(|w| 0.1 + 0.8 * (-((w - 560.0) / 60.0).powi(2)).exp()),
+            Tabulated::sampled(|w| 0.5 + 0.4 * (w / 45.0).sin()),
+        ];
+        let light = palette.leaf(lamp.clone(), 1.0, Role::Light);
+        let factors: Vec<Factor> =
+            surfaces.iter().map(|surface| palette.leaf(surface.clone(), 1.0, Role::Reflectance)).collect();
+        let spectra = Spectra::new(&palette, true).unwrap();
+        let mut radii = Vec::new();
+        let mut node = Node::ROOT;
+        for right in [false, true, true, false, true, false] {
+            let cell = spectra.cell(0, light.leaf, node).unwrap();
+            let points = dense(&lamp, node);
+            let [from, to] = node.limits::<f64>();
+            let ramp = |w: f64| (2.0 * w - from - to) / (to - from);
+            let mut row = Row { value: [1.0; 3], ..Row::default() };
+            let mut so_far = Vec::new();
+            for index in [0, 1, 2, 3, 0] {
+                so_far.push(surfaces[index].spectrum().unwrap());
+                row = cell.reflected(Mode::Certified, &cell.part(factors[index]), &row);
+                let spectrum = |w: f64| so_far.iter().map(|s| s.value(w)).product::<f64>();
+                for a in 0..3 {
+                    let off = (mean(&points, a, spectrum) - row.value[a]).abs();
+                    let known = cell.share[a] * row.radius;
+                    assert!(off <= known + 1e-6, "{node:?}, {}, {a}: {off} > {known}", so_far.len());
+                    let centre = mean(&points, a, ramp);
+                    let rest = |w: f64| (spectrum(w) - row.value[a] - row.slope * (ramp(w) - centre)).powi(2);
+                    let (norm, known) = (mean(&points, a, rest).sqrt(), cell.share[a].sqrt() * row.norm);
+                    assert!(norm <= known + 1e-6, "{node:?}, {}, {a}: {norm} > {known}", so_far.len());
+                }
+            }
+            radii.push(row.radius);
+            node = node.children().unwrap()[usize::from(right)];
+        }
+        // Halving twice: 64 times for the third power, 16 for the second.
+        let ratios: Vec<f64> = radii.iter().zip(&radii[2..]).map(|(wide, narrow)| wide / narrow).collect();
+        assert!(ratios[2..].iter().all(|ratio| *ratio > 25.0), "{radii:?} {ratios:?}");
+    }
+}
