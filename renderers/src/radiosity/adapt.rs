@@ -203,6 +203,8 @@ impl Radiosity {
             }
             plan.split(places, &spectra, &lamps);
         }
+        // Where nothing is reflected, rows have nothing to say.
+        cells.retain(|known| !known.cell.is_black(&field.reflectances));
         Ok(self.assembled(mode, lamps, cells, report))
     }
 
