@@ -21,7 +21,7 @@ use super::slopes::Slopes;
 use super::solution::Lights;
 use super::system::Judgement;
 use super::transport::{Buffer, Buffers, Transport};
-use super::{Radiosity, RadiosityError, Report, Solution};
+use super::{Others, Radiosity, RadiosityError, Report, Solution};
 use crate::spectral::{Factor, IntervalSettings, Palette};
 
 /// The most reflectances that the model keeps apart.
@@ -203,8 +203,9 @@ impl Radiosity {
             }
             plan.split(places, &spectra, &lamps);
         }
-        // Where nothing is reflected, rows have nothing to say.
-        cells.retain(|known| !known.cell.is_black(&field.reflectances));
+        // Where nothing is reflected, rows have nothing to say; but by mirrors and glass light may come where there is none without.
+        let is_diffuse = self.settings.others == Others::Refused;
+        cells.retain(|known| !(known.cell.is_black(&field.reflectances) || is_diffuse && field.is_dark(&known.cell)));
         Ok(self.assembled(mode, lamps, cells, report))
     }
 
@@ -217,8 +218,7 @@ impl Radiosity {
         buffers: &Buffers,
         report: &mut Report,
     ) -> Vec<Known> {
-        let (black, cells): (Vec<Cell>, Vec<Cell>) =
-            cells.into_iter().partition(|cell| cell.is_black(&field.reflectances));
+        let (black, cells): (Vec<Cell>, Vec<Cell>) = cells.into_iter().partition(|cell| field.is_dark(cell));
         let rows = self.working(buffers, report, |work| {
             if estimated {
                 return field.estimate(&cells, work);

@@ -125,6 +125,13 @@ impl<'t> Field<'t> {
         self.amplified = raised(irradiance, up * (1.0 + 8.0 * self.rounding));
     }
 
+    /// Whether all that a lamp shines on reflects nothing on a part of the domain, so that radiosity is 0 there.
+    pub(super) fn is_dark(&self, cell: &Cell) -> bool {
+        let black: Vec<bool> = self.reflectances.iter().map(|factor| cell.part(*factor).high <= 0.0).collect();
+        let is_dark = |lit: &Lit| self.surface.iter().zip(&lit.all).all(|(kind, h)| black[*kind] || *h == 0.0);
+        self.lamps.get(cell.lamp).is_some_and(is_dark)
+    }
+
     /// Whether errors are bounded.
     pub(super) fn is_bounded(&self) -> bool {
         self.amplification.iter().chain(&self.amplified).all(|a| a.is_finite())
