@@ -203,9 +203,10 @@ impl Radiosity {
             }
             plan.split(places, &spectra, &lamps);
         }
-        // Where nothing is reflected, rows have nothing to say; but by mirrors and glass light may come where there is none without.
-        let is_diffuse = self.settings.others == Others::Refused;
-        cells.retain(|known| !(known.cell.is_black(&field.reflectances) || is_diffuse && field.is_dark(&known.cell)));
+        // Rows have nothing to say where all is dark; but by mirrors and glass light may come to where the solution has none.
+        if self.settings.others == Others::Refused {
+            cells.retain(|known| !field.is_dark(&known.cell));
+        }
         Ok(self.assembled(mode, lamps, cells, report))
     }
 
@@ -218,7 +219,7 @@ impl Radiosity {
         buffers: &Buffers,
         report: &mut Report,
     ) -> Vec<Known> {
-        let (black, cells): (Vec<Cell>, Vec<Cell>) = cells.into_iter().partition(|cell| field.is_dark(cell));
+        let (dark, cells): (Vec<Cell>, Vec<Cell>) = cells.into_iter().partition(|cell| field.is_dark(cell));
         let rows = self.working(buffers, report, |work| {
             if estimated {
                 return field.estimate(&cells, work);
@@ -229,13 +230,13 @@ impl Radiosity {
         let settled = !estimated;
         let found = cells.into_iter().zip(rows).map(|(cell, (rows, slopes))| Known { cell, rows, slopes, settled });
         let nothing = vec![Row::default(); field.surface.len()];
-        let black = black.into_iter().map(|cell| Known {
+        let dark = dark.into_iter().map(|cell| Known {
             cell,
             rows: nothing.clone(),
             slopes: Slopes::default(),
             settled: true,
         });
-        found.chain(black).collect()
+        found.chain(dark).collect()
     }
 
     /// Solves for the values of cells that have estimates.
@@ -442,7 +443,7 @@ mod tests {
     use spectral_core::tables::{UniformTable, colorchecker, fluorescent, illuminants};
 
     use super::{PACE, Pace};
-    use crate::radiosity::{Radiosity, Report, Settings};
+    use crate::radiosity::{Others, Radiosity, Report, Settings};
     use crate::scene::{Scene, Source, builtin, load};
     use crate::spectral::{IntervalSettings, Palette};
 
@@ -516,5 +517,28 @@ mod tests {
                 assert!(2 * found.intervals <= 3 * greedy.intervals, "{name}, {threshold}: {reports:?}");
             }
         }
+    }
+
+    /// Beyond 705 nm only the lamp itself reflects light, and it doesn't see itself. Where mirrors might show it some, those parts are kept.
+    #[test]
+    fn dark_parts_have_no_rows_and_no_light() {
+        let scene = builtin::load("cornell-box", &[]).unwrap();
+        let [without, with] = [Others::Refused, Others::Simplified].map(|others| {
+            let mut palette = Palette::default();
+            let settings = Settings { accuracy: 3e-2, others, ..Settings::default() };
+            let radiosity = Radiosity::new(&scene, &settings, &mut palette, &|_| {}).unwrap();
+            let solution = radiosity.solve_intervals(&palette, &IntervalSettings::default()).unwrap();
+            let leaves = radiosity.transport.leaves.iter();
+            let colours: Vec<[f64; 3]> = leaves
+                .map(|leaf| {
+                    let row = &solution.nodes[*leaf as usize * solution.width..][..solution.width];
+                    solution.representation().colour(&[], row).value
+                })
+                .collect();
+            (solution.report().intervals, colours)
+        });
+        assert!(without.0 < with.0, "{} {}", without.0, with.0);
+        assert!(without.1.iter().flatten().any(|v| *v > 0.0));
+        assert_eq!(without.1, with.1);
     }
 }

@@ -156,11 +156,6 @@ impl Cell {
         }
     }
 
-    /// Whether all of these reflectances reflect nothing.
-    pub(super) fn is_black(&self, reflectances: &[Factor]) -> bool {
-        reflectances.iter().all(|factor| self.part(*factor).high <= 0.0)
-    }
-
     /// Adds the [colours](Self::colour) of rows of radiosity, and how far they may be off, to those of other cells.
     pub(super) fn add_colours(&self, mode: Mode, rows: &[Row], sums: &mut [[[f64; 3]; 2]]) {
         for (row, [xyz, radius]) in rows.iter().zip(sums) {
