@@ -23,6 +23,8 @@ const CLUSTER_SENDER: f64 = 0.25;
 pub(super) const SMALL: f64 = 0.5;
 /// Bytes for a link while links are refined, with those of the operator.
 const LINK_BYTES: usize = 96;
+/// Pairs that are looked at together.
+const BATCH: usize = 1 << 16;
 /// Bytes for a patch.
 const PATCH_BYTES: usize = 512;
 
@@ -167,36 +169,39 @@ fn pair(patches: &Patches, (p, q, clear): Ends) -> Pair {
 }
 
 /// Adds links between pairs to those there are and refines all until each is good enough.
+///
+/// Level by level, so that what is coarse decides how patches are cut, and some pairs at a time, so that there is room for links alone.
 pub(super) fn refine(
     patches: &mut Patches,
-    links: Vec<Link>,
+    mut links: Vec<Link>,
     mut pairs: Vec<Ends>,
     oracle: &mut Oracle,
 ) -> Result<Vec<Link>, RadiosityError> {
-    let (mut done, mut open) = (Vec::new(), links);
-    loop {
-        for link in open {
-            if !subdivide(patches, &link, oracle, &mut pairs) {
-                done.push(link);
+    links.retain(|link| !subdivide(patches, link, oracle, &mut pairs));
+    while !pairs.is_empty() {
+        let (mut parts_of_pairs, mut parts_of_links) = (Vec::new(), Vec::new());
+        for batch in pairs.chunks(BATCH) {
+            oracle.check(patches.nodes.len(), links.len() + pairs.len())?;
+            let known = &*patches;
+            let found: Vec<Pair> = batch.par_iter().map(|ends| pair(known, *ends)).collect();
+            for (found, (p, q, clear)) in found.into_iter().zip(batch) {
+                match found {
+                    Pair::Apart => {}
+                    Pair::Linked(link) => {
+                        if !subdivide(patches, &link, oracle, &mut parts_of_links) {
+                            links.push(link);
+                        }
+                    }
+                    Pair::Near(end) => {
+                        parts_of_pairs.extend(parts(patches, [*p, *q], end).into_iter().map(|[p, q]| (p, q, *clear)));
+                    }
+                }
             }
         }
-        if pairs.is_empty() {
-            return Ok(done);
-        }
-        oracle.check(patches.nodes.len(), done.len() + pairs.len())?;
-        let known = &*patches;
-        let found: Vec<Pair> = pairs.par_iter().map(|ends| pair(known, *ends)).collect();
-        let mut next = Vec::new();
-        open = Vec::new();
-        for (found, (p, q, clear)) in found.into_iter().zip(pairs) {
-            match found {
-                Pair::Apart => {}
-                Pair::Linked(link) => open.push(link),
-                Pair::Near(end) => next.extend(parts(patches, [p, q], end).into_iter().map(|[p, q]| (p, q, clear))),
-            }
-        }
-        pairs = next;
+        parts_of_pairs.append(&mut parts_of_links);
+        pairs = parts_of_pairs;
     }
+    Ok(links)
 }
 
 /// The pairs that a pair with a cluster at one end consists of.

@@ -139,7 +139,7 @@ pub struct Report {
     pub patches: usize,
     /// Links between patches and groups of them, each for both ways.
     pub links: usize,
-    /// How many of these are partly blocked, or may be.
+    /// Those that are partly blocked, or may be; with pairs between which nothing was seen to pass, which have no link.
     pub uncertain_links: usize,
     /// Points on patches at which radiosity was computed again; 0 if that isn't needed, asked for or affordable.
     pub points: usize,
@@ -247,13 +247,14 @@ impl Radiosity {
         palette: &Palette,
         progress: &(dyn Fn(f64) + Sync),
     ) -> Result<Self, RadiosityError> {
-        let links = Builder::new(settings, &patches, &sources, palette)?.build(&mut patches, progress)?;
+        let mut links = Builder::new(settings, &patches, &sources, palette)?.build(&mut patches, progress)?;
+        let uncertain = links.iter().filter(|l| !l.clear).count();
+        links.retain(|link| link.seen > 0.0);
         let mut buffer = Buffer::default();
         let mut transport = Transport::new(&patches, &links);
         let balance = balance(&patches, &links, &mut transport, &mut buffer);
         let lit = source::irradiances(&patches, &sources, &transport.leaves);
         let sums = transport.row_sums(&mut buffer);
-        let uncertain = links.iter().filter(|l| !l.clear).count();
         progress(1.0);
         Ok(Self { settings: *settings, patches, sources, lit, transport, balance, sums, links: links.len(), uncertain })
     }

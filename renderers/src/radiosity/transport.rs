@@ -58,11 +58,13 @@ pub(super) struct Transport {
 }
 
 impl Transport {
+    /// Of links that carry light.
     pub(super) fn new(patches: &Patches, links: &[Link]) -> Self {
+        let carrying = || links.iter().filter(|link| link.seen > 0.0);
         let count = patches.nodes.len();
         let rows = count + patches.clusters.len();
         let mut starts = vec![0; rows + 1];
-        for link in links {
+        for link in carrying() {
             starts[patches.row(link.p) + 1] += 1;
             starts[patches.row(link.q) + 1] += 1;
         }
@@ -70,8 +72,9 @@ impl Transport {
             starts[i + 1] += starts[i];
         }
         let mut next = starts.clone();
-        let (mut sources, mut factors) = (vec![0; 2 * links.len()], vec![0.0; 2 * links.len()]);
-        for link in links {
+        let entries = starts[rows];
+        let (mut sources, mut factors) = (vec![0; entries], vec![0.0; entries]);
+        for link in carrying() {
             for (to, from) in [(link.p, link.q), (link.q, link.p)] {
                 let row = patches.row(to);
                 let place = next[row];
