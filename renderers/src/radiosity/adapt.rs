@@ -14,8 +14,9 @@ use spectral_core::interval::Node;
 use super::bounds::{Bounds, Known, MOST_CELLS, bound, seen};
 use super::cell::{Cell, DEPTH, Row, Spectra};
 use super::coarse::Coarse;
-use super::field::{Field, Lit, Work};
+use super::field::{Estimate, Field, Lit, Work};
 use super::intervals::IntervalRows;
+use super::model::model_field;
 use super::representation::Representation;
 use super::slopes::Slopes;
 use super::solution::Lights;
@@ -113,11 +114,11 @@ impl Plan<'_> {
         // What errors are estimated by is needed here, whatever the rows keep.
         let own = self.settings.mode;
         let mode = if own == Mode::Corrected { Mode::Paper } else { own };
-        let rows = if mode == Mode::Certified && self.field.bounces.is_none() {
-            self.field.estimate(&cells, &mut work)
-        } else {
-            let solved = self.field.solve(mode, &cells, &mut work);
-            solved.into_iter().map(|rows| (rows, Slopes::default())).collect()
+        let alone = |rows| (rows, Slopes::default());
+        let rows: Vec<Estimate> = match (self.field.bounces, mode) {
+            (Some(_), _) => self.field.solve(mode, &cells, &mut work).into_iter().map(alone).collect(),
+            (None, Mode::Certified) => self.field.estimate(&cells, &mut work),
+            (None, _) => cells.iter().map(|cell| alone(self.field.eliminated(cell))).collect(),
         };
         let known = |(cell, (rows, slopes))| Known { cell, rows, slopes, settled: false };
         self.cells.extend(cells.into_iter().zip(rows).map(known));
@@ -143,7 +144,8 @@ impl Radiosity {
         palette: &Palette,
         settings: &IntervalSettings,
     ) -> Result<Solution<'_>, RadiosityError> {
-        self.adapted(palette, settings, PACE)
+        // On one of the threads that share the work: to hand over each of its short parts from outside takes longer than they do.
+        rayon::scope(|_| self.adapted(palette, settings, PACE))
     }
 
     fn adapted(
@@ -229,10 +231,9 @@ impl Radiosity {
         });
         let settled = !estimated;
         let found = cells.into_iter().zip(rows).map(|(cell, (rows, slopes))| Known { cell, rows, slopes, settled });
-        let nothing = vec![Row::default(); field.surface.len()];
         let dark = dark.into_iter().map(|cell| Known {
             cell,
-            rows: nothing.clone(),
+            rows: vec![Row::default(); field.surface.len()],
             slopes: Slopes::default(),
             settled: true,
         });
@@ -263,7 +264,7 @@ impl Radiosity {
     }
 
     /// The leaves of the palette that lights have.
-    fn lamps(&self) -> Vec<Option<u32>> {
+    pub(super) fn lamps(&self) -> Vec<Option<u32>> {
         let of_sides = self.patches.sides.iter().filter_map(|side| side.emission);
         let mut lamps = Vec::new();
         for factor in of_sides.chain(self.sources.iter().map(|source| source.spectrum)) {
@@ -275,7 +276,7 @@ impl Radiosity {
     }
 
     /// What all leaves receive from each lamp.
-    fn field(
+    pub(super) fn field(
         &self,
         mode: Mode,
         lamps: &[Option<u32>],
@@ -316,7 +317,9 @@ impl Radiosity {
             };
             let emitted: Vec<f64> = side.iter().map(|side| lights.emission[*side]).collect();
             let mut all = vec![0.0; emitted.len()];
-            self.transport.apply(&emitted, &mut all, 1, buffer);
+            if emitted.iter().any(|e| *e != 0.0) {
+                self.transport.apply(&emitted, &mut all, 1, buffer);
+            }
             let direct = self.direct(&lights.sources, 1, 0, 1);
             all.iter_mut().zip(&direct).for_each(|(h, d)| *h += d);
             field.lamps.push(Lit { emitted, direct, all });
@@ -394,44 +397,6 @@ fn different(factors: impl Iterator<Item = Factor>) -> (Vec<Factor>, Vec<usize>)
     };
     let numbers = factors.map(number).collect();
     (different, numbers)
-}
-
-/// The model of a field: means over groups of leaves.
-fn model_field<'m>(
-    field: &Field<'_>,
-    mode: Mode,
-    model: &'m Transport,
-    spectra: &Spectra<'_>,
-    buffer: &mut Buffer,
-) -> Field<'m> {
-    let coarse = &field.coarse;
-    let mean = |values: &[f64]| {
-        let mut means = vec![0.0; coarse.count()];
-        for ((value, group), area) in values.iter().zip(&coarse.group).zip(&field.transport.areas) {
-            means[*group] += value * area / coarse.areas[*group];
-        }
-        means
-    };
-    let of_lamp = |lit: &Lit| Lit { emitted: mean(&lit.emitted), direct: mean(&lit.direct), all: mean(&lit.all) };
-    let mut result = Field {
-        transport: model,
-        surface: field.of_groups.clone(),
-        reflectances: field.reflectances.clone(),
-        lamps: field.lamps.iter().map(of_lamp).collect(),
-        largest_sum: field.largest_sum,
-        sums: &[],
-        coarse: coarse.of_itself(),
-        of_groups: field.of_groups.clone(),
-        amplification: Vec::new(),
-        amplified: Vec::new(),
-        rounding: model.rounding(),
-        bounces: field.bounces,
-    };
-    if mode == Mode::Certified {
-        let greatest: Vec<f64> = result.reflectances.iter().map(|factor| spectra.greatest(*factor)).collect();
-        result.amplify(&greatest, buffer);
-    }
-    result
 }
 
 #[cfg(test)]

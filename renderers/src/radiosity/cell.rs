@@ -24,6 +24,8 @@ use crate::spectral::{Factor, Palette, Role, Tabulated, Y_INTEGRAL};
 pub(super) const DEPTH: u8 = MAX_DEPTH;
 /// Down to this level, 64 parts, integrals are tabulated; those of greater parts are sums.
 const TABULATED: u8 = 6;
+/// Nodes that one task integrates over.
+const NODES: usize = 16;
 /// Variances below this share of the squared maximum are rounding.
 pub(super) const VARIANCE_ROUNDING: f64 = 1e-13;
 /// What rounding may cost a product or a sum, as a share of it.
@@ -187,7 +189,7 @@ pub(super) struct Spectra<'p> {
     leaves: Vec<Leaf<'p>>,
     /// Whether second moments are needed, too.
     deviations: bool,
-    /// The greatest value of each leaf in the visible domain.
+    /// The greatest value of each leaf in the visible domain; lights count as 1.
     greatest: Vec<f64>,
     /// For each lamp, moments on all nodes down to [`TABULATED`].
     tables: Vec<Vec<Moments>>,
@@ -202,7 +204,8 @@ impl<'p> Spectra<'p> {
     pub(super) fn new(palette: &'p Palette, deviations: bool) -> Result<Self, String> {
         let leaf = |(leaf, role): &'p (Tabulated, Role)| Ok::<_, String>((leaf.spectrum()?, *role));
         let leaves = palette.leaves().iter().map(leaf).collect::<Result<Vec<_>, _>>()?;
-        let greatest = leaves.iter().map(|(leaf, _)| range(leaf, Node::ROOT)[1]).collect();
+        let greatest = |(leaf, role): &Leaf<'_>| if *role == Role::Light { 1.0 } else { range(leaf, Node::ROOT)[1] };
+        let greatest = leaves.iter().map(greatest).collect();
         Ok(Self { leaves, deviations, greatest, tables: Vec::new() })
     }
 
@@ -213,7 +216,8 @@ impl<'p> Spectra<'p> {
 
     fn table(&self, lamp: Option<u32>) -> Vec<Moments> {
         let finest: Vec<Node> = nodes(TABULATED).filter(|node| node.level() == TABULATED).collect();
-        let mut table: Vec<Moments> = finest.into_par_iter().map(|node| self.integrated(lamp, node)).collect();
+        let finest = finest.into_par_iter().with_min_len(NODES);
+        let mut table: Vec<Moments> = finest.map(|node| self.integrated(lamp, node)).collect();
         // From the last node to the first, as children come after their parents.
         table.reverse();
         for pair in (0..node_count(TABULATED - 1)).map(|pair| 2 * pair) {
@@ -226,7 +230,7 @@ impl<'p> Spectra<'p> {
 
     fn integrated(&self, lamp: Option<u32>, node: Node) -> Moments {
         let lamp = lamp.and_then(|leaf| self.leaves.get(leaf as usize)).map(|(lamp, _)| lamp);
-        Moments::new(&Observer::cie_1931_2deg(), lamp, &self.leaves, node)
+        Moments::new(&Observer::cie_1931_2deg(), lamp, &self.leaves, node, !self.deviations)
     }
 
     /// A part under a lamp, or `None` where that sends nothing that is seen.
@@ -256,7 +260,7 @@ impl<'p> Spectra<'p> {
         };
         let found: Vec<(Part, [f64; 3])> = leaves.iter().zip(&self.leaves).map(&mut part).collect();
         let line = Line::new(node, moments);
-        let ramp = line.ramp(share);
+        let ramp = if self.deviations { line.ramp(share) } else { Ramp::default() };
         let inclined = |(((mut part, deviations), moments), (_, role)): (((Part, [f64; 3]), _), &(_, Role))| {
             if self.deviations && *role != Role::Light {
                 line.incline(&mut part, moments, deviations, (share, &ramp));
@@ -340,6 +344,11 @@ pub(super) fn range(spectrum: &PiecewiseLinear<'_, f64>, node: Node) -> [f64; 2]
         }
         position = segment.end;
     }
+    around([low, high])
+}
+
+/// A range with what rounding may have cost it.
+pub(super) fn around([low, high]: [f64; 2]) -> [f64; 2] {
     let margin = ROUNDING * high.abs().max(low.abs());
     [low - margin, high + margin]
 }

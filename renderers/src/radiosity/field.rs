@@ -104,7 +104,8 @@ struct Block<'c> {
     columns: &'c [Column],
     solved: Solved,
     judgement: Judgement,
-    /// For each column, the greatest share that its light has of the estimate, and what iteration and rounding leave as a residual.
+    /// For each column, the greatest share that its light has of the estimate, and what iteration and rounding leave as a residual. By the
+    /// certified mode alone.
     left: Vec<[f64; 2]>,
 }
 
@@ -226,7 +227,8 @@ impl<'t> Field<'t> {
         for columns in &stages {
             let basis = known.as_ref().map(|known| self.basis(known));
             let (tolerance, buffers) = (work.tolerance, work.buffers);
-            let solve = |columns| self.block((cells, &parts, &slopes), columns, (basis.as_ref(), tolerance, buffers));
+            let solve =
+                |columns| self.block((mode, cells, &parts, &slopes), columns, (basis.as_ref(), tolerance, buffers));
             let lanes = if stages.len() > 1 { LANES } else { even(columns.len()) };
             let found: Vec<Block<'_>> = columns.par_chunks(lanes).map(solve).collect();
             found.iter().for_each(|block| (work.report)(block.solved.passes, Some(&block.judgement)));
@@ -258,7 +260,7 @@ impl<'t> Field<'t> {
     /// Solves for some columns.
     fn block<'c>(
         &self,
-        (cells, parts, slopes): (&[Cell], &[Vec<Part>], &[&Slopes]),
+        (mode, cells, parts, slopes): (Mode, &[Cell], &[Vec<Part>], &[&Slopes]),
         columns: &'c [Column],
         (basis, tolerance, buffers): (Option<&Basis<'_>>, f64, &Buffers),
     ) -> Block<'c> {
@@ -288,7 +290,8 @@ impl<'t> Field<'t> {
             system::Part { emitted, direct, arriving, leaving, reflected: solved.reflected[place] }
         };
         let judgement = Judgement::new((&self.transport.areas, self.sums), &solved, &system.amplification(), part);
-        let left = self.left(&system, &solved, columns, (cells, parts, slopes));
+        let is_bounded = mode == Mode::Certified;
+        let left = if is_bounded { self.left(&system, &solved, columns, (cells, parts, slopes)) } else { Vec::new() };
         Block { columns, solved, judgement, left }
     }
 

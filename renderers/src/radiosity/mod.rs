@@ -35,6 +35,7 @@ mod light;
 mod link;
 mod majorant;
 mod mesh;
+mod model;
 mod moments;
 mod mosaic;
 mod picture;

@@ -4,7 +4,7 @@ use spectral_core::Observer;
 use spectral_core::interval::Node;
 use spectral_core::spectrum::{PiecewiseLinear, Segment, Spectrum};
 
-use super::cell::range;
+use super::cell::around;
 use crate::spectral::Role;
 
 /// The colour-matching functions are linear between multiples of this, in nm.
@@ -61,7 +61,8 @@ impl Total {
 /// Three channels' sums of up to three kinds.
 type Totals = [[Total; 3]; 3];
 
-fn add(totals: &mut Totals, terms: [[f64; 3]; 3]) {
+/// Adds the first terms to the first totals.
+fn add(totals: &mut [[Total; 3]], terms: [[f64; 3]; 3]) {
     let all = totals.as_flattened_mut().iter_mut().zip(terms.as_flattened());
     all.for_each(|(total, term)| total.add(*term));
 }
@@ -70,49 +71,81 @@ fn values(totals: &Totals) -> [[f64; 3]; 3] {
     totals.map(|three| three.map(|total| total.sum + total.lost))
 }
 
+/// A spectrum along which one goes, piece by piece: what it is linear on is looked up once.
+struct Along<'s, 'p> {
+    spectrum: &'s PiecewiseLinear<'p, f64>,
+    /// From where on it is this segment.
+    start: f64,
+    segment: Segment<f64>,
+    /// The value here.
+    value: f64,
+}
+
+impl<'s, 'p> Along<'s, 'p> {
+    fn new(spectrum: &'s PiecewiseLinear<'p, f64>, start: f64) -> Self {
+        let segment = spectrum.segment(start);
+        Self { spectrum, start, value: segment.first, segment }
+    }
+
+    /// Goes on to a place in this segment: the values before and there.
+    fn go(&mut self, to: f64) -> [f64; 2] {
+        let from = self.value;
+        self.value = value_of(&self.segment, self.start, to);
+        let values = [from, self.value];
+        if to >= self.segment.end {
+            *self = Self::new(self.spectrum, to);
+        }
+        values
+    }
+}
+
 impl Moments {
-    /// All integrals over a node, exact but for rounding: of a lamp, or of an even light.
+    /// All integrals over a node, exact but for rounding: of a lamp, or of an even light. Those with squares, and with wavelength, are left out
+    /// where only first moments are asked for.
     pub(super) fn new(
         observer: &Observer<'_, f64>,
         lamp: Option<&PiecewiseLinear<'_, f64>>,
         leaves: &[Leaf<'_>],
         node: Node,
+        only_firsts: bool,
     ) -> Self {
+        let kinds = if only_firsts { 1 } else { 3 };
         let ([first, last], [from, to]) = (Node::ROOT.limits::<f64>(), node.limits::<f64>());
         let line = |wavelength: f64| (2.0 * wavelength - first - last) / (last - first);
         let mut of_lamp = Totals::default();
-        let mut of_leaves = vec![Totals::default(); leaves.len()];
-        let mut segments: Vec<Segment<f64>> = Vec::with_capacity(leaves.len());
+        let nothing = |role: Role| if role == Role::Light { [0.0; 2] } else { [f64::INFINITY, f64::NEG_INFINITY] };
+        let mut of_leaves: Vec<(Totals, [f64; 2])> =
+            leaves.iter().map(|(_, role)| (Totals::default(), nothing(*role))).collect();
+        let mut light = lamp.map(|lamp| Along::new(lamp, from));
+        let mut reflectances: Vec<Option<Along<'_, '_>>> =
+            leaves.iter().map(|(leaf, role)| (*role != Role::Light).then(|| Along::new(leaf, from))).collect();
         let (mut position, mut before) = (from, observer.value(from));
         while position < to {
-            let light = lamp.map(|lamp| lamp.segment(position));
-            segments.clear();
-            segments.extend(leaves.iter().map(|(leaf, _)| leaf.segment(position)));
             let next = (position / STEP).floor() * STEP + STEP;
-            let ends =
-                light.iter().chain(segments.iter().zip(leaves).filter(|(_, l)| l.1 != Role::Light).map(|(s, _)| s));
-            let end = ends.fold(to.min(next), |end, segment| end.min(segment.end));
+            let ends = light.iter().chain(reflectances.iter().flatten()).map(|along| along.segment.end);
+            let end = ends.fold(to.min(next), f64::min);
             let after = observer.value(end);
-            let points = weighted((position, end), light.as_ref(), [before, after]);
+            let points = weighted(end - position, light.as_mut().map(|light| light.go(end)), [before, after]);
             let lines = [line(position), line(end)];
-            let along = |[first, last]: [f64; 2], point: usize| first * GAUSS[point][1] + last * GAUSS[point][0];
+            let within = |[first, last]: [f64; 2], point: usize| first * GAUSS[point][1] + last * GAUSS[point][0];
             let products = |of: &dyn Fn(usize) -> [f64; 3]| {
                 let mut terms = [[0.0; 3]; 3];
                 for (point, weights) in points.iter().enumerate() {
-                    for (terms, value) in terms.iter_mut().zip(of(point)) {
+                    for (terms, value) in terms.iter_mut().zip(of(point)).take(kinds) {
                         terms.iter_mut().zip(weights).for_each(|(t, w)| *t += w * value);
                     }
                 }
                 terms
             };
-            let at = |point: usize| along(lines, point);
-            add(&mut of_lamp, products(&|point| [1.0, at(point), at(point) * at(point)]));
-            for (totals, (segment, leaf)) in of_leaves.iter_mut().zip(segments.iter().zip(leaves)) {
-                if leaf.1 != Role::Light {
-                    let ends = ends_of(segment, position, end);
-                    let value = |point: usize| along(ends, point);
+            let at = |point: usize| within(lines, point);
+            add(&mut of_lamp[..kinds], products(&|point| [1.0, at(point), at(point) * at(point)]));
+            for ((totals, [low, high]), along) in of_leaves.iter_mut().zip(&mut reflectances) {
+                if let Some(along) = along {
+                    let ends = along.go(end);
+                    (*low, *high) = (low.min(ends[0]).min(ends[1]), high.max(ends[0]).max(ends[1]));
+                    let value = |point: usize| within(ends, point);
                     add(
-                        totals,
+                        &mut totals[..kinds],
                         products(&|point| [value(point), value(point) * value(point), value(point) * at(point)]),
                     );
                 }
@@ -120,11 +153,11 @@ impl Moments {
             (position, before) = (end, after);
         }
         let [mass, lines @ ..] = values(&of_lamp);
-        let leaf = |(totals, (leaf, _)): (&Totals, &Leaf<'_>)| {
+        let leaf = |(totals, range): &(Totals, [f64; 2])| {
             let [firsts, seconds, sloped] = values(totals);
-            LeafMoments { firsts, seconds, sloped, range: range(leaf, node) }
+            LeafMoments { firsts, seconds, sloped, range: around(*range) }
         };
-        Self { mass, lines, leaves: of_leaves.iter().zip(leaves).map(leaf).collect() }
+        Self { mass, lines, leaves: of_leaves.iter().map(leaf).collect() }
     }
 
     /// The same over two parts.
@@ -141,22 +174,22 @@ impl Moments {
     }
 }
 
-/// The weights of three points between two wavelengths in each channel, with the light there.
-fn weighted((from, to): (f64, f64), light: Option<&Segment<f64>>, seen: [[f64; 3]; 2]) -> [[f64; 3]; 3] {
-    let ends = light.map_or([1.0; 2], |segment| ends_of(segment, from, to));
+/// The weights of three points on a piece of some width in each channel, with the light at its ends.
+fn weighted(width: f64, light: Option<[f64; 2]>, seen: [[f64; 3]; 2]) -> [[f64; 3]; 3] {
+    let ends = light.unwrap_or([1.0; 2]);
     GAUSS.map(|[below, above, weight]| {
-        let part = (to - from) * weight * (ends[0] * above + ends[1] * below);
+        let part = width * weight * (ends[0] * above + ends[1] * below);
         core::array::from_fn(|a| part * (seen[0][a] * above + seen[1][a] * below))
     })
 }
 
-/// The values of a linear piece that starts at `start`, there and at `end` in it.
-fn ends_of(segment: &Segment<f64>, start: f64, end: f64) -> [f64; 2] {
+/// The value of a linear piece that starts at `start`, at a place in it.
+fn value_of(segment: &Segment<f64>, start: f64, place: f64) -> f64 {
     if !segment.end.is_finite() {
-        return [segment.first; 2];
+        return segment.first;
     }
-    let (before, after) = (end - start, segment.end - end);
-    [segment.first, (segment.first * after + segment.last * before) / (before + after)]
+    let (before, after) = (place - start, segment.end - place);
+    (segment.first * after + segment.last * before) / (before + after)
 }
 
 #[cfg(test)]
@@ -186,7 +219,8 @@ mod tests {
         let domain = Domain::build(Observer::cie_1931_2deg(), 0, &mut weights).unwrap();
         let mut node = Node::ROOT;
         for right in [false, true, false, false, true, false, true, true, false] {
-            let found = Moments::new(&observer, Some(&lamp), &leaves, node);
+            let found = Moments::new(&observer, Some(&lamp), &leaves, node, false);
+            let firsts = Moments::new(&observer, Some(&lamp), &leaves, node, true);
             let close = |found: [f64; 3], factors: &[&dyn Spectrum<f64>]| {
                 let integral = |factors: &[&dyn Spectrum<f64>]| {
                     let product = Interval::of_product(factors, &domain, node, &Interval::zero());
@@ -205,6 +239,12 @@ mod tests {
                 close(moments.firsts, &[&lamp, leaf]);
                 close(moments.seconds, &[&lamp, leaf, leaf]);
                 close(moments.sloped, &[&lamp, leaf, &line]);
+                let [low, high] = crate::radiosity::cell::range(leaf, node);
+                assert!((moments.range[0] - low).abs() <= 1e-15 && (moments.range[1] - high).abs() <= 1e-15);
+            }
+            assert_eq!(found.mass, firsts.mass);
+            for (moments, alone) in found.leaves.iter().zip(&firsts.leaves) {
+                assert_eq!((moments.firsts, moments.range), (alone.firsts, alone.range));
             }
             node = node.children().unwrap()[usize::from(right)];
         }
