@@ -29,6 +29,8 @@ const SLOW: f64 = 0.98;
 const MOST_SCALE: f64 = 2.0;
 /// Relative error of the form factors that sums are made of.
 const TOLERANCE: f64 = 1e-5;
+/// The most that a group's open shares are filled by what some of its leaves have in excess; where that is not enough, those of a larger group are.
+const MOST_FILLED: f64 = 0.5;
 /// When sums are near enough to what they should be.
 const NEAR: f64 = 4e-15;
 
@@ -143,9 +145,53 @@ fn targets(patches: &Patches, links: &[Link], transport: &Transport, closed: &[b
             }
             node = parents[node as usize];
         }
-        (sum / own.area).min(1.0)
+        sum / own.area
     };
-    transport.leaves.par_iter().zip(closed).map(target).collect()
+    let mut sums: Vec<f64> = transport.leaves.par_iter().zip(closed).map(target).collect();
+    share_out(patches, transport, &mut sums);
+    sums
+}
+
+/// Gives what leaves have above 1 to those near them.
+///
+/// The visible share of a group's link is right for the group as a whole, nearly: leaves that are given more than there is around them have it from
+/// others, which lack it. To cut it off would lose light: 0.14 % of all exchanges in the Cornell box at an accuracy of 0.003. So the excess goes to the
+/// smallest group around a leaf whose open shares 1 − ΣF are enough, and these shrink by the same factor: ΣAF stays what it was, and no sum is
+/// above 1.
+fn share_out(patches: &Patches, transport: &Transport, sums: &mut [f64]) {
+    let nodes = patches.nodes.len();
+    let mut leaf_of = vec![None; nodes];
+    transport.leaves.iter().enumerate().for_each(|(leaf, node)| leaf_of[*node as usize] = Some(leaf));
+    // For each node, what is in excess and what is open, times area; and what is left of the open shares below.
+    let (mut flux, mut left) = (vec![[0.0_f64; 2]; nodes], vec![1.0; nodes]);
+    let mut all = [0.0_f64; 2];
+    for node in (0..nodes).rev() {
+        let [mut excess, mut open] = match (leaf_of[node], patches.nodes[node].children()) {
+            (Some(leaf), _) => {
+                let off = transport.areas[leaf] * (sums[leaf] - 1.0);
+                sums[leaf] = sums[leaf].min(1.0);
+                [off.max(0.0), (-off).max(0.0)]
+            }
+            (None, Some([a, b])) => [flux[a][0] + flux[b][0], flux[a][1] + flux[b][1]],
+            (None, None) => [0.0; 2],
+        };
+        if excess > 0.0 && excess <= MOST_FILLED * open {
+            left[node] = 1.0 - excess / open;
+            (excess, open) = (0.0, open - excess);
+        }
+        flux[node] = [excess, open];
+        if node < patches.roots {
+            all = [all[0] + excess, all[1] + open];
+        }
+    }
+    let of_all = if all[1] > 0.0 { 1.0 - (all[0] / all[1]).min(1.0) } else { 1.0 };
+    left[..patches.roots].iter_mut().for_each(|left| *left *= of_all);
+    for (index, node) in patches.nodes.iter().enumerate() {
+        node.children().into_iter().flatten().for_each(|child| left[child] *= left[index]);
+    }
+    for (sum, node) in sums.iter_mut().zip(&transport.leaves) {
+        *sum = 1.0 - (1.0 - *sum) * left[*node as usize];
+    }
 }
 
 /// The root of each node.
@@ -213,5 +259,91 @@ impl Groups {
     fn join(&mut self, a: usize, b: usize) {
         let (a, b) = (self.find(a), self.find(b));
         self.parents[a.max(b)] = a.min(b);
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used, reason = "tests fail by panicking")]
+mod tests {
+    use super::*;
+    use crate::radiosity::view::Between;
+    use crate::radiosity::{Radiosity, Settings};
+    use crate::scene::builtin;
+    use crate::spectral::Palette;
+
+    fn cornell_box() -> Radiosity {
+        let scene = builtin::load("cornell-box", &[]).unwrap();
+        let settings = Settings { accuracy: 1e-2, points: false, ..Settings::default() };
+        Radiosity::new(&scene, &settings, &mut Palette::default(), &|_| {}).unwrap()
+    }
+
+    fn total(radiosity: &Radiosity, sums: &[f64]) -> f64 {
+        sums.iter().zip(&radiosity.transport.areas).map(|(sum, area)| sum * area).sum()
+    }
+
+    /// Some leaves have more than there is, and that goes to the nearest that have less: nothing is lost, and what is far from them stays as it is.
+    #[test]
+    fn excess_stays_near_where_it_is_found() {
+        let radiosity = cornell_box();
+        let (patches, transport) = (&radiosity.patches, &radiosity.transport);
+        let parent = (patches.roots..patches.nodes.len()).find_map(|node| {
+            let children = patches.nodes[node].children()?;
+            let leaf = |child: usize| transport.leaves.iter().position(|leaf| *leaf as usize == child);
+            Some([leaf(children[0])?, leaf(children[1])?])
+        });
+        let [one, other] = parent.unwrap();
+        let (areas, mut sums) = (&transport.areas, vec![0.8; transport.leaves.len()]);
+        sums[one] = 1.0 + 0.05 * areas[other] / areas[one];
+        let before = total(&radiosity, &sums);
+        share_out(patches, transport, &mut sums);
+        assert!(
+            (sums[one] - 1.0).abs() <= 1e-15 && (sums[other] - 0.85).abs() <= 1e-12,
+            "{} {}",
+            sums[one],
+            sums[other]
+        );
+        assert!(sums.iter().enumerate().all(|(leaf, sum)| [one, other].contains(&leaf) || *sum == 0.8));
+        // So much that the sibling has no room for it.
+        sums[one] = 1.0 + 0.3 * areas[other] / areas[one];
+        sums[other] = 0.8;
+        let more = total(&radiosity, &sums);
+        share_out(patches, transport, &mut sums);
+        assert!(sums.iter().all(|sum| *sum <= 1.0) && sums[other] > 0.8 && sums[other] <= 0.9 + 1e-12);
+        let after = total(&radiosity, &sums);
+        assert!(more > before && (after - more).abs() <= 1e-12 * more, "{before} {more} {after}");
+    }
+
+    /// Where nothing has room, nothing is above 1.
+    #[test]
+    fn no_sum_is_above_one() {
+        let radiosity = cornell_box();
+        let mut sums = vec![1.01; radiosity.transport.leaves.len()];
+        sums[0] = 0.99;
+        share_out(&radiosity.patches, &radiosity.transport, &mut sums);
+        assert!(sums.iter().all(|sum| (sum - 1.0).abs() <= 1e-15), "{sums:?}");
+    }
+
+    /// What is seen of a patch is no more than the patch, but for rounding: shares of links need not be cut for more than that.
+    #[test]
+    fn what_is_seen_is_no_more_than_there_is() {
+        let patches = &cornell_box().patches;
+        let (mut pairs, mut partly) = (0, 0);
+        for p in (0..patches.nodes.len()).step_by(7) {
+            for q in (0..patches.nodes.len()).step_by(11) {
+                let [a, b] = [p, q].map(|n| &patches.nodes[n]);
+                if !(exchange(&a.polygon, &b.polygon, patches.slack, TOLERANCE) > 0.0) {
+                    continue;
+                }
+                let between = patches.between(a, b);
+                if matches!(between, Between::Blocked) {
+                    continue;
+                }
+                let view = patches.view(a, b, &between);
+                pairs += 1;
+                partly += u32::from(view.seen < view.open * (1.0 - 1e-9));
+                assert!(view.seen <= view.open * (1.0 + 1e-12), "{p} {q}: {} {}", view.seen, view.open);
+            }
+        }
+        assert!(pairs > 1000 && partly > 100, "{pairs} {partly}");
     }
 }
