@@ -1,13 +1,14 @@
 //! Time for exchanges between polygons, and for radiosity. `cargo bench -p renderers --bench radiosity`.
 //!
-//! `… -- spectral` compares representations of spectra instead, and `… -- scaling` time and memory from hundreds of patches to tens of
-//! thousands: as tables.
+//! `… -- spectral` compares representations of spectra instead (with `corrected`, that mode and 81 bins, often), `… -- scaling` time and memory
+//! from hundreds of patches to tens of thousands, and `… -- places` time for light at places of scenes of as many faces: as tables.
 //!
 //! The cube is CIE 171 5.8 at ρ = 0.95 with 400 points; the Cornell box is solved for 81 bins at several accuracies, without points.
 
 #![allow(clippy::expect_used, clippy::panic, clippy::cast_precision_loss, reason = "the scenes are constants")]
 #![allow(clippy::print_stdout, reason = "the table")]
 
+mod places;
 mod scaling;
 mod spectral;
 
@@ -17,6 +18,8 @@ fn main() {
         spectral::run();
     } else if asked("scaling") {
         scaling::run();
+    } else if asked("places") {
+        places::run();
     } else {
         divan::main();
     }

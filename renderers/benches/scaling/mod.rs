@@ -11,11 +11,11 @@ use renderers::spectral::{Palette, UniformBins};
 /// For the Cornell box: from some hundreds of patches to more than 50 000.
 const ACCURACIES: [f64; 6] = [1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 3e-5];
 /// Boxes in the room; each has six faces. The last case takes minutes.
-const BOXES: [u32; 5] = [83, 332, 832, 3332, 8332];
+pub(crate) const BOXES: [u32; 5] = [83, 332, 832, 3332, 8332];
 /// Squares along each side of the hills, each of two triangles.
-const SQUARES: [u32; 5] = [16, 32, 50, 100, 158];
+pub(crate) const SQUARES: [u32; 5] = [16, 32, 50, 100, 158];
 /// For the rooms.
-const ROOM_ACCURACY: f64 = 1e-2;
+pub(crate) const ROOM_ACCURACY: f64 = 1e-2;
 const BINS: usize = 81;
 
 /// What a case took.
@@ -103,7 +103,7 @@ fn peak() -> Option<f64> {
 }
 
 /// The seconds that processors have worked for this process; 0 where the system doesn't tell.
-fn processor() -> f64 {
+pub(crate) fn processor() -> f64 {
     // Linux counts hundredths for programs; the name of the process ends with the last parenthesis.
     let ticks = std::fs::read_to_string("/proc/self/stat").ok().and_then(|stat| {
         let mut fields = stat.rsplit(')').next()?.split_whitespace().skip(11);
@@ -112,17 +112,11 @@ fn processor() -> f64 {
     ticks.unwrap_or(0.0) / 100.0
 }
 
-/// Prints the exponents of the number of faces, or of patches where there are few faces, by least squares of the logarithms.
+/// Prints the exponents of the number of faces, or of patches where there are few faces.
 fn fits(rows: &[Taken]) {
     let slope = |value: fn(&Taken) -> f64| {
-        let points: Vec<(f64, f64)> =
-            rows.iter().map(|row| (row.faces.map_or(row.patches, f64::from).ln(), value(row).ln())).collect();
-        let count = points.len() as f64;
-        let mean = points.iter().fold((0.0, 0.0), |(x, y), p| (x + p.0 / count, y + p.1 / count));
-        let (over, under) = points.iter().fold((0.0, 0.0), |(over, under), p| {
-            (over + (p.0 - mean.0) * (p.1 - mean.1), under + (p.0 - mean.0).powi(2))
-        });
-        over / under
+        let of = |row: &Taken| (row.faces.map_or(row.patches, f64::from), value(row));
+        exponent(&rows.iter().map(of).collect::<Vec<_>>())
     };
     println!(
         "exponents: links {:.2}, bytes {:.2}, processor seconds of the build {:.2}, of the solution {:.2}\n",
@@ -133,12 +127,23 @@ fn fits(rows: &[Taken]) {
     );
 }
 
+/// The power of the first number of each pair that the second grows with, by least squares of the logarithms.
+pub(crate) fn exponent(pairs: &[(f64, f64)]) -> f64 {
+    let points: Vec<(f64, f64)> = pairs.iter().map(|(x, y)| (x.ln(), y.ln())).collect();
+    let count = points.len() as f64;
+    let mean = points.iter().fold((0.0, 0.0), |(x, y), p| (x + p.0 / count, y + p.1 / count));
+    let (over, under) = points
+        .iter()
+        .fold((0.0, 0.0), |(over, under), p| (over + (p.0 - mean.0) * (p.1 - mean.1), under + (p.0 - mean.0).powi(2)));
+    over / under
+}
+
 fn grey(reflectance: f64) -> String {
     format!("<bsdf type='diffuse'><spectrum name='reflectance' value='{reflectance}'/></bsdf>")
 }
 
 /// A closed room of 4 with a lamp under its ceiling and hills on its floor.
-fn hilly_room(squares: u32) -> Scene {
+pub(crate) fn hilly_room(squares: u32) -> Scene {
     let mut mesh = String::new();
     let at = |i: u32| 4.0 * f64::from(i) / f64::from(squares) - 2.0;
     for (x, y) in (0..=squares).flat_map(|i| (0..=squares).map(move |j| (at(i), at(j)))) {
@@ -166,7 +171,7 @@ fn empty_room() -> String {
 }
 
 /// A closed room of 4 with a lamp under its ceiling and boxes of all positions and turns, apart from each other.
-fn room(boxes: u32) -> Scene {
+pub(crate) fn room(boxes: u32) -> Scene {
     let side = (1..).find(|side: &u32| side.pow(3) >= boxes).unwrap_or(1);
     let cell = 3.4 / f64::from(side);
     let mut xml = empty_room();

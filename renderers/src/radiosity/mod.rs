@@ -44,6 +44,7 @@ mod polygon;
 mod ramp;
 mod rays;
 mod reflection;
+mod remote;
 mod representation;
 mod rough;
 mod scalar;
@@ -73,6 +74,7 @@ pub(crate) use specular::follow;
 use balance::{Balance, balance};
 use build::Builder;
 use mesh::Patches;
+use remote::HitLeaves;
 pub use solution::Solution;
 use source::Source;
 use transport::{Buffer, Transport};
@@ -208,6 +210,8 @@ pub struct Radiosity {
     /// Irradiance from each source on each leaf.
     lit: Vec<f64>,
     transport: Transport,
+    /// Where faces are many.
+    hit: HitLeaves,
     balance: Balance,
     /// ΣF of each leaf.
     sums: Vec<f64>,
@@ -257,7 +261,19 @@ impl Radiosity {
         let lit = source::irradiances(&patches, &sources, &transport.leaves);
         let sums = transport.row_sums(&mut buffer);
         progress(1.0);
-        Ok(Self { settings: *settings, patches, sources, lit, transport, balance, sums, links: links.len(), uncertain })
+        let hit = HitLeaves::new(&patches);
+        Ok(Self {
+            settings: *settings,
+            patches,
+            sources,
+            lit,
+            transport,
+            hit,
+            balance,
+            sums,
+            links: links.len(),
+            uncertain,
+        })
     }
 
     fn report(&self) -> Report {

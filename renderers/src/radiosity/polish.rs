@@ -17,6 +17,8 @@ use super::view::Points;
 
 /// Groups that count as one at a point change its light by less than this share of the accuracy each.
 const SHARE: f64 = 0.1;
+/// The standard error that counting far faces by rays may leave at a point, as a share of the accuracy: it is another one at each.
+const TOLERANCE: f64 = 0.4;
 /// Iteration ends when radiosity changes by less than this share of the accuracy, relative to the mean.
 const ENOUGH: f64 = 0.03;
 const MOST_STEPS: usize = 50;
@@ -145,7 +147,7 @@ impl Solution<'_> {
             lit.iter_mut().zip(row).for_each(|(s, l)| *s += factor * l);
         }
         self.add_lamps(&place, &mut lit);
-        (self.look(&place, SHARE), lit)
+        (self.look(&place, SHARE, TOLERANCE * radiosity.settings.accuracy), lit)
     }
 
     /// One step; the largest change of a point's radiosity, relative to the mean, averaged over the components.

@@ -116,7 +116,7 @@ impl Lookup {
 }
 
 /// The plane between a first half and the other one, across their own plane.
-fn line(first: &Polygon) -> [f64; 4] {
+pub(super) fn line(first: &Polygon) -> [f64; 4] {
     let corners = first.corners();
     let (Some(cut), Some(end)) = (corners.first(), corners.last()) else { return [0.0; 4] };
     // From the end back to the cut, the first half is on the left.
@@ -126,7 +126,7 @@ fn line(first: &Polygon) -> [f64; 4] {
 }
 
 /// The root that a place is in, or is the least outside of.
-fn nearest(patches: &Patches, roots: &[u32], place: DVec3) -> Option<u32> {
+pub(super) fn nearest(patches: &Patches, roots: &[u32], place: DVec3) -> Option<u32> {
     let mut best = None;
     let mut least = f64::NEG_INFINITY;
     for root in roots {

@@ -2,6 +2,7 @@
 
 use alloc::sync::Arc;
 
+use super::gather;
 use super::mesh::Side;
 use super::polish::Polished;
 use super::representation::{Representation, light};
@@ -105,7 +106,8 @@ impl<'r> Solution<'r> {
             (false, _) if self.report.closed < 1.0 => (0.3 * accuracy.sqrt()).max(3.0 * accuracy),
             (false, _) => 3.0 * accuracy,
         };
-        measured + self.report.iteration_error
+        let far = if self.radiosity.patches.clusters.is_empty() { 0.0 } else { gather::TOLERANCE * accuracy };
+        measured + far + self.report.iteration_error
     }
 
     /// Reflected radiosity of each patch in the unit of the lights' radiance times sr, with the patch's area: one value for each component.
