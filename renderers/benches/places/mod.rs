@@ -46,19 +46,6 @@ fn measured(faces: u32, solution: &Solution<'_>) -> f64 {
     let start = processor();
     let walks: Vec<f64> = places.iter().take(WALKS).map(|place| solution.indirect_within(place, 0.0)[0]).collect();
     let walk = 1e3 * (processor() - start) / WALKS as f64;
-    if std::env::var("EACH").is_ok() {
-        for (place, walk) in places.iter().zip(&walks) {
-            let at = |t: f64| solution.indirect_within(place, t)[0] / walk - 1.0;
-            println!(
-                "{:?} {walk:.5}: {:.1e} {:.1e} {:.1e} {:.1e}",
-                place.position(),
-                at(1e-4),
-                at(5e-4),
-                at(2e-3),
-                at(1e-2)
-            );
-        }
-    }
     let errors: Vec<f64> = found.iter().zip(&walks).map(|(found, walk)| (found / walk - 1.0).abs()).collect();
     println!(
         "{faces:6} faces, {:7} patches: {time:8.2} ms a place, {walk:8.2} ms by a walk through all faces; rms difference {:.1e}, largest {:.1e}",
