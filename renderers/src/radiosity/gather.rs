@@ -1,13 +1,11 @@
 //! Irradiance at any place from the patches, each in closed form.
 
 use core::cell::RefCell;
-use core::f64::consts::PI;
 
 use disk_sampling::Receiver;
 use glam::DVec3;
 
 use super::Solution;
-use super::cluster::{self, Cluster};
 use super::mesh::{Node, Patches};
 use super::polygon::Polygon;
 use super::shade::{Cone, Eye, MOST_BLOCKERS};
@@ -28,8 +26,6 @@ const PARTS: f64 = 2.0;
 /// How much more the unevenness of what is partly hidden counts: what is hidden is rarely like what is seen.
 const PARTLY: f64 = 4.0;
 
-/// Clusters of a smaller radius than this share of their distance are seen from a place as far as their points are.
-pub(super) const FAR: f64 = 0.5;
 /// What counting far faces by rays may add to the error at a place, as a share of the accuracy.
 pub(super) const TOLERANCE: f64 = 0.2;
 
@@ -70,31 +66,6 @@ impl<'s> Place<'s> {
             return 0.0;
         }
         polygon.configuration_factor(self.position, self.normal)
-    }
-
-    /// Whether all of a cluster looks away or is below the horizon, for certain.
-    pub(super) fn cannot_see(&self, cluster: &Cluster) -> bool {
-        let way = cluster.centre - self.position;
-        if way.dot(self.normal) <= -cluster.radius {
-            return true;
-        }
-        let distance = way.length();
-        if distance <= cluster.radius {
-            return false;
-        }
-        let off = (-cluster.axis.dot(way) / distance).clamp(-1.0, 1.0).acos();
-        off - cluster.angle - (cluster.radius / distance).asin() > core::f64::consts::FRAC_PI_2
-    }
-
-    /// The configuration factors of a cluster's points, each for an equal share of its area, that nothing hides.
-    pub(super) fn factors(&self, cluster: &Cluster) -> [f64; cluster::POINTS] {
-        cluster.samples.map(|sample| {
-            let way = sample.position - self.position;
-            let cosines = way.dot(self.normal).max(0.0) * (-way.dot(sample.normal)).max(0.0);
-            #[allow(clippy::cast_precision_loss, reason = "few points")]
-            let area = cluster.area / cluster::POINTS as f64;
-            if cosines > 0.0 { area * cosines / (PI * way.length_squared().powi(2)) } else { 0.0 }
-        })
     }
 
     /// Whether one blocker hides all of a polygon.
@@ -202,10 +173,10 @@ impl Solution<'_> {
         self.indirect_within(receiver, TOLERANCE * self.radiosity.settings.accuracy)
     }
 
-    /// The same with a tolerance for what [`indirect`](Self::indirect) has a fifth of the accuracy for: where there are more than 512 faces, those that give more
-    /// than twice this share of the light are seen in closed form, all others by as many rays (up to 65 536) as leave a standard error of at
-    /// most this share. What light there is without obstacles counts as a hundredth of that at least. With 0, or what isn't positive, every face is seen
-    /// in closed form, which takes as long as there are faces.
+    /// The same with a tolerance for what [`indirect`](Self::indirect) has a fifth of the accuracy for: where there are more than 512 faces, those
+    /// that are close and give more than 3 % of the light are seen in closed form, all others by as many rays (512 to 65 536) as leave a standard error of at most
+    /// this share of the light. Less light than 1 % of that under the scene's mean radiosity counts as 1 %. With 0, or what isn't positive, every
+    /// face is seen in closed form, which takes as long as there are faces.
     #[must_use]
     pub fn indirect_within(&self, receiver: &Receiver<f64>, tolerance: f64) -> Vec<f64> {
         let place = Place::new(&self.radiosity.patches, receiver);
@@ -236,23 +207,6 @@ impl Solution<'_> {
         let accuracy = self.radiosity.settings.accuracy;
         let large = if self.polished.is_empty() { f64::INFINITY } else { LARGE * accuracy.sqrt() * whole };
         Look { place, small: accuracy * share * whole, large }
-    }
-
-    /// What a root or cluster would give if nothing blocked, about.
-    pub(super) fn whole(&self, place: &Place<'_>, number: u32) -> f64 {
-        let patches = &self.radiosity.patches;
-        let level = self.levels[patches.row(number)];
-        let Some(index) = cluster::index(number) else {
-            return place.factor(&patches.nodes[number as usize].polygon) * level;
-        };
-        let cluster = &patches.clusters[index];
-        if place.cannot_see(cluster) {
-            return 0.0;
-        }
-        if cluster.radius < FAR * place.position.distance(cluster.centre) {
-            return place.factors(cluster).iter().sum::<f64>() * level;
-        }
-        cluster.children.iter().map(|child| self.whole(place, *child)).sum()
     }
 
     /// Adds the light that a list stands for.

@@ -1,27 +1,28 @@
 //! Irradiance at any place from many faces: near ones in closed form, all others by rays.
 //!
-//! To walk all faces takes as long as there are faces, and most of them give next to nothing or are hidden. So the tree of clusters is searched for
-//! those that may give much, and what is left is sampled: a ray costs a walk through the tree of the scene's faces, so that a place costs about as
-//! much as the logarithm of their number. Directions are spread in proportion to the cosine, as points of a sequence of low discrepancy that is shifted by
+//! To walk all faces takes as long as there are faces, and most of them give next to nothing or are hidden. So they are sampled: a ray costs a walk
+//! through the tree of the scene's faces, so that a place costs about as much as the logarithm of their number. Those that are close and give
+//! much, by the first rays, are seen in closed form instead. Directions are spread in proportion to the cosine, as points of a sequence of low discrepancy that is shifted by
 //! another amount at each place (R. Cranley & T. Patterson, SIAM J. Numer. Anal. 13, 1976); the means of parts of the sequence tell the error.
 
 use glam::DVec3;
 
 use super::Solution;
-use super::cluster;
-use super::gather::{Entry, FAR, Place};
+use super::gather::{Entry, Place};
 use super::mesh::{LEAF, Patches};
 use super::rays::{line, nearest};
 use crate::geometry::Hit;
 use crate::geometry::glam::Vec3A;
 use crate::geometry::sampling::square_to_cosine_hemisphere;
 
-/// Faces that may give more than this many times the tolerance are seen in closed form.
-const LARGE: f64 = 2.0;
-/// What a place would receive if nothing blocked counts as this share of what it receives.
+/// Faces that give more than this share of the light are seen in closed form, if they are nearer than this share of their radius.
+const NEAR: f64 = 0.03;
+const CLOSE: f64 = 0.25;
+/// Light below this share of what a place in the scene's mean light receives counts as this share.
 const DARK: f64 = 0.01;
-/// The first rays tell how much light there is; there are up to twice as many again and again.
-const FIRST_RAYS: usize = 256;
+/// The first rays tell which faces are near and how much light there is; then there are ever more.
+const PILOT: usize = 256;
+const LEAST_RAYS: usize = 512;
 const MOST_RAYS: usize = 1 << 16;
 /// Parts of the sequence that tell its error.
 const PARTS: usize = 8;
@@ -85,6 +86,8 @@ struct Sample<'p> {
     leaves: &'p HitLeaves,
     axes: [Vec3A; 3],
     shift: [f64; 2],
+    /// The place in the sequence of the first of these.
+    first: usize,
     /// The root and the leaf that each ray hit, if any.
     hits: Vec<Option<[u32; 2]>>,
 }
@@ -93,12 +96,18 @@ impl<'p> Sample<'p> {
     fn new(place: &'p Place<'p>, leaves: &'p HitLeaves) -> Self {
         let normal = place.normal.as_vec3a();
         let (u, v) = normal.any_orthonormal_pair();
-        Self { place, leaves, axes: [u, v, normal], shift: shift(place.position), hits: Vec::new() }
+        Self { place, leaves, axes: [u, v, normal], shift: shift(place.position), first: 0, hits: Vec::new() }
+    }
+
+    /// Leaves the rays so far to others.
+    fn restart(&mut self) {
+        self.first += self.hits.len();
+        self.hits.clear();
     }
 
     /// Goes on to so many rays.
     fn trace(&mut self, count: usize) {
-        for index in self.hits.len()..count {
+        for index in self.first + self.hits.len()..self.first + count {
             #[allow(clippy::cast_precision_loss, reason = "counts of rays")]
             let at = |axis: usize| (self.shift[axis] + STEPS[axis] * (index + 1) as f64).fract();
             #[allow(clippy::cast_possible_truncation, reason = "rays are traced in f32")]
@@ -154,55 +163,46 @@ impl Solution<'_> {
     /// Where the light at a place comes from if faces are many.
     pub(super) fn look_far(&self, place: &Place<'_>, share: f64, tolerance: f64) -> Vec<Entry> {
         let mut list = Vec::new();
-        let unblocked = self.whole(place, cluster::FIRST);
         let mut rays = Sample::new(place, &self.radiosity.hit);
-        rays.trace(FIRST_RAYS);
+        rays.trace(PILOT);
         let level = |[_, leaf]: [u32; 2]| self.levels[leaf as usize];
-        let whole = rays.mean(level)[0].max(DARK * unblocked);
-        if !(whole > 0.0) {
+        let whole = rays.mean(level)[0].max(DARK);
+        let look = self.at_first(place, share, whole);
+        if !(tolerance > 0.0) {
+            (0..place.patches.roots).for_each(|root| self.add(&look, root, None, &mut list));
             return list;
         }
-        let mut near = Vec::new();
-        self.find_near(place, cluster::FIRST, LARGE * tolerance * whole, &mut near);
-        let look = self.at_first(place, share, whole);
+        let near = self.near(&rays, NEAR * whole);
         near.iter().for_each(|root| self.add(&look, *root as usize, None, &mut list));
-        if tolerance > 0.0 {
-            near.sort_unstable();
-            let others = |hit: [u32; 2]| if near.binary_search(&hit[0]).is_ok() { 0.0 } else { level(hit) };
-            while rays.hits.len() < MOST_RAYS && rays.mean(others)[1] > tolerance * whole {
-                rays.trace(2 * rays.hits.len());
+        // Others than those that told what is near, or what few of them hit by chance would be missing.
+        rays.restart();
+        let others = |hit: [u32; 2]| if near.binary_search(&hit[0]).is_ok() { 0.0 } else { level(hit) };
+        let mut count = LEAST_RAYS;
+        loop {
+            rays.trace(count);
+            if count >= MOST_RAYS || rays.mean(others)[1] <= tolerance * whole {
+                break;
             }
-            list.extend(rays.entries(&near));
+            count *= 2;
         }
+        list.extend(rays.entries(&near));
         list
     }
 
-    /// The roots that may give more than `least`.
-    fn find_near(&self, place: &Place<'_>, number: u32, least: f64, near: &mut Vec<u32>) {
-        let patches = place.patches;
-        let row = patches.row(number);
-        let most = self.levels[row] + self.spreads[row];
-        if !(self.levels[row] > 0.0) {
-            return;
-        }
-        let Some(index) = cluster::index(number) else {
-            if place.factor(&patches.nodes[row].polygon) * most > least {
-                near.push(number);
-            }
-            return;
+    /// The roots, in order, that are close and from which at least so much comes, by some rays.
+    fn near(&self, rays: &Sample<'_>, least: f64) -> Vec<u32> {
+        let mut hits: Vec<[u32; 2]> = rays.hits.iter().flatten().copied().collect();
+        hits.sort_unstable();
+        #[allow(clippy::cast_precision_loss, reason = "counts of rays")]
+        let gives = |same: &[[u32; 2]]| {
+            same.iter().map(|[_, leaf]| self.levels[*leaf as usize]).sum::<f64>() / rays.hits.len() as f64
         };
-        let cluster = &patches.clusters[index];
-        if place.cannot_see(cluster) {
-            return;
-        }
-        if least > 0.0 && cluster.radius < FAR * place.position.distance(cluster.centre) {
-            #[allow(clippy::cast_precision_loss, reason = "few points")]
-            let factor = place.factors(cluster).iter().fold(0.0_f64, |most, f| most.max(*f)) * cluster::POINTS as f64;
-            if factor * most <= least {
-                return;
-            }
-        }
-        cluster.children.iter().for_each(|child| self.find_near(place, *child, least, near));
+        let of_root = hits.chunk_by(|a, b| a[0] == b[0]);
+        let is_close = |root: u32| {
+            let polygon = &rays.place.patches.nodes[root as usize].polygon;
+            polygon.distance(rays.place.position) <= CLOSE * polygon.radius
+        };
+        of_root.filter(|same| gives(same) >= least && is_close(same[0][0])).map(|same| same[0][0]).collect()
     }
 }
 
@@ -211,14 +211,11 @@ impl Solution<'_> {
 mod tests {
     use core::fmt::Write as _;
 
-    use disk_sampling::Receiver;
-    use glam::DVec3;
-
     use super::{Entry, Place};
-    use crate::radiosity::sight::surface_point;
     use crate::radiosity::{Flat, Radiosity, Settings, Solution};
     use crate::scene::{Source, load};
     use crate::spectral::Palette;
+    use disk_sampling::Receiver;
 
     const SQUARES: u32 = 20;
 
@@ -257,8 +254,11 @@ mod tests {
         let part = |index: u32, step: f64| (0.5 + step * f64::from(index)).fract();
         let place = |index: u32| {
             let (a, b) = (3.6 * part(index, 0.7549) - 1.8, 2.6 * part(index, 0.5698) - 0.9);
-            let [position, normal] =
-                if index % 2 == 0 { [[-2.0, a, b], [1.0, 0.0, 0.0]] } else { [[a, b, -0.8], [0.6, 0.0, -0.8]] };
+            let [position, normal] = if index.is_multiple_of(2) {
+                [[-2.0, a, b], [1.0, 0.0, 0.0]]
+            } else {
+                [[a, b, -0.8], [0.6, 0.0, -0.8]]
+            };
             Receiver::new(position, normal).unwrap()
         };
         (0..16).map(place).collect()
@@ -305,22 +305,6 @@ mod tests {
             };
             let [walk, by_rays] = [0.0, 3e-3].map(sum);
             assert!((walk - 1.0).abs() <= 2e-3 && (by_rays - 1.0).abs() <= 1e-2, "{walk} {by_rays}");
-        }
-    }
-
-    /// A ray to the middle of a leaf finds it.
-    #[test]
-    fn rays_find_the_leaves_that_they_hit() {
-        let radiosity = hills();
-        let (patches, leaves) = (&radiosity.patches, &radiosity.transport.leaves);
-        for leaf in leaves {
-            let node = &patches.nodes[*leaf as usize];
-            let above: DVec3 = node.polygon.centre + node.polygon.normal * (1e-2 * node.polygon.radius);
-            let from = surface_point(above, -node.polygon.normal, crate::geometry::NO_PRIMITIVE);
-            let hit = patches.world.closest_hit(&from.ray(-node.polygon.normal.as_vec3a())).unwrap();
-            let [root, found] = radiosity.hit.find(patches, &hit).unwrap();
-            assert_eq!(found, *leaf);
-            assert!((root as usize) < patches.roots && patches.nodes[root as usize].side == node.side);
         }
     }
 }
