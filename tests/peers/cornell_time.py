@@ -164,14 +164,9 @@ class Radiance:
         root = ElementTree.parse(self.args.scene).getroot()
         base, text = self.args.scene.parent, ""
         for bsdf in root.findall("bsdf"):
-            table = np.loadtxt(base / bsdf.find("spectrum").get("filename"))
-            text += self.paint(bsdf.get("id"), table[:, 0], table[:, 1])
+            text += self.material(bsdf, base)
         for shape in root.findall("shape"):
-            if shape.get("type") == "obj":
-                text += polygons(base / shape.find("string").get("value"), shape.find("ref").get("id"), shape.get("id"))
-            else:
-                text += lamp(shape)
-                self.radiance = float(shape.find("emitter/spectrum/float").get("value"))
+            text += self.shape(shape, base)
         (self.folder / "scene.rad").write_text(text)
         with open(self.folder / "scene.oct", "wb") as out:
             subprocess.run([self.home / "bin" / "oconv", self.folder / "scene.rad"], stdout=out, check=True, env=self.environment)
@@ -180,6 +175,16 @@ class Radiance:
         origin, target = (np.array(look.get(k).split(), dtype=float) for k in ("origin", "target"))
         angle = sensor.find("float").get("value")
         self.view = ["-vtv", "-vp", *origin, "-vd", *(target - origin), "-vu", *look.get("up").split(), "-vh", angle, "-vv", angle]
+
+    def material(self, bsdf, base):
+        table = np.loadtxt(base / bsdf.find("spectrum").get("filename"))
+        return self.paint(bsdf.get("id"), table[:, 0], table[:, 1])
+
+    def shape(self, shape, base):
+        if shape.get("type") == "obj":
+            return polygons(base / shape.find("string").get("value"), shape.find("ref").get("id"), shape.get("id"))
+        self.radiance = float(shape.find("emitter/spectrum/float").get("value"))
+        return lamp(shape)
 
     def render(self, seed):
         args, cache = self.args, self.folder / "ambient.cache"
