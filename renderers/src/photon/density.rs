@@ -238,29 +238,23 @@ impl Density {
         self.weigh_within(place, radius, estimate);
     }
 
-    /// The same from photons that are given, nearer than the radius, with what each is worth.
-    pub(crate) fn estimate_from(
-        &self,
-        place: &Place<'_>,
-        radius: f32,
-        photons: impl Iterator<Item = (Near, f32)>,
-        estimate: &mut Estimate,
-    ) {
-        estimate.clear();
-        for (near, brightness) in photons {
-            estimate.near.push(near);
-            estimate.brightness.push(brightness);
-        }
-        self.weigh_within(place, radius, estimate);
+    /// What the kernel's values are multiplied by for weights per square scene unit about a place, with a radius in scene units.
+    pub(crate) fn scale_within(&self, place: &Place<'_>, radius: f32) -> f64 {
+        let radius = f64::from(radius);
+        1.0 / (radius * radius * self.mass_within(place, radius))
+    }
+
+    /// The kernel's share on the face of a place.
+    fn mass_within(&self, place: &Place<'_>, radius: f64) -> f64 {
+        place.face.map_or(1.0, |face| {
+            let point = face.place(place.position);
+            if radius > face.clearance(point) { face.mass(self.kernel, point, radius) } else { 1.0 }
+        })
     }
 
     fn weigh_within(&self, place: &Place<'_>, radius: f32, estimate: &mut Estimate) {
         let radius = f64::from(radius);
-        let mass = place.face.map_or(1.0, |face| {
-            let point = face.place(place.position);
-            if radius > face.clearance(point) { face.mass(self.kernel, point, radius) } else { 1.0 }
-        });
-        self.weigh(estimate, mass, radius * radius);
+        self.weigh(estimate, self.mass_within(place, radius), radius * radius);
     }
 
     /// The relative standard error of estimates from [`count`](Self::count) photons where irradiance is uniform, however dense photons are.

@@ -7,11 +7,15 @@ use rayon::prelude::*;
 use super::Photon;
 
 /// Photons in a leaf: a few vector registers for each coordinate.
-const LEAF: usize = 16;
+pub(super) const LEAF: usize = 16;
+/// Leaves whose photons are about as many as an estimate takes.
+const FEW_LEAVES: usize = 4;
 /// Trees of fewer photons are built by one thread.
 const PARALLEL: usize = 4096;
 /// Leaves are numbered by 32 bits, so a tree has fewer levels than this.
 const DEPTH: usize = 32;
+/// Branches that wait in a search at most.
+pub(super) const WAITING: usize = DEPTH;
 /// Coordinates beyond this are refused: the squares of distances stay finite.
 const LARGEST: f32 = 1e12;
 
@@ -80,12 +84,26 @@ struct Node {
 
 /// The photons of one surface.
 #[derive(Clone, Debug)]
-struct Tree {
+pub(super) struct Tree {
     surface: u32,
     photons: Range<usize>,
-    leaves: Range<usize>,
+    pub(super) leaves: Range<usize>,
     low: [f32; 3],
     high: [f32; 3],
+}
+
+impl Tree {
+    /// The indices of each leaf's photons.
+    pub(super) fn leaves_photons(&self) -> impl Iterator<Item = Range<usize>> {
+        let (first, end) = (self.photons.start, self.photons.end);
+        (0..self.leaves.len()).map(move |leaf| first + leaf * LEAF..(first + (leaf + 1) * LEAF).min(end))
+    }
+
+    /// The index of a leaf's first photon.
+    #[allow(clippy::cast_possible_truncation, reason = "photons are numbered by 32 bits")]
+    pub(super) const fn first_of(&self, leaf: usize) -> u32 {
+        (self.photons.start + (leaf - self.leaves.start) * LEAF) as u32
+    }
 }
 
 /// A photon while the tree is built.
@@ -154,11 +172,53 @@ impl PhotonMap {
 
     fn search(&self, surface: u32, region: &Region, count: usize, found: &mut Vec<Near>) {
         found.clear();
-        let Ok(tree) = self.trees.binary_search_by_key(&surface, |tree| tree.surface) else { return };
+        let Some(tree) = self.tree(surface) else { return };
         let limit = (region.radius * region.radius).clamp(0.0, f32::MAX);
         if count > 0 && limit >= 0.0 {
-            Search { map: self, region, count, limit, found }.run(&self.trees[tree]);
+            Search { map: self, region, count, limit, found }.run(tree);
         }
+    }
+
+    /// The photons of a surface.
+    pub(super) fn tree(&self, surface: u32) -> Option<&Tree> {
+        self.trees.get(self.trees.binary_search_by_key(&surface, |tree| tree.surface).ok()?)
+    }
+
+    /// Those of all surfaces.
+    pub(super) fn trees(&self) -> &[Tree] {
+        &self.trees
+    }
+
+    /// About how far apart photons are that stand for light together, in scene units, for each in the map's order: half the diagonal of the box
+    /// of a few leaves around it.
+    pub(super) fn spacings(&self) -> Vec<f32> {
+        let mut spacings = Vec::with_capacity(self.photons.len());
+        for tree in &self.trees {
+            let photons = self.photons.get(tree.photons.clone()).unwrap_or_default();
+            for few in photons.chunks(FEW_LEAVES * LEAF) {
+                let [low, high] = bounds(few.iter().map(|photon| photon.position));
+                let spacing = 0.5 * square(core::array::from_fn(|i| high[i] - low[i])).sqrt();
+                spacings.extend(few.iter().map(|_| spacing));
+            }
+        }
+        spacings
+    }
+
+    /// A bit for each photon of a leaf within a region whose radius is that of this square, and the squares of all distances.
+    fn distances(&self, leaf: usize, region: &Region, limit: f32) -> ([f32; LEAF], u32) {
+        let Region { position: p, normal: n, thickness, slope, .. } = *region;
+        let [x, y, z] = &self.leaves[leaf];
+        let mut distances = [0.0; LEAF];
+        let mut mask = 0_u32;
+        for i in 0..LEAF {
+            let d = [x[i] - p[0], y[i] - p[1], z[i] - p[2]];
+            let distance2 = square(d);
+            let height = n[0] * d[0] + n[1] * d[1] + n[2] * d[2];
+            let counts = (distance2 <= limit) & (height * height <= thickness * thickness + slope * slope * distance2);
+            distances[i] = distance2;
+            mask |= u32::from(counts) << i;
+        }
+        (distances, mask)
     }
 }
 
@@ -180,14 +240,21 @@ struct Branch {
     offset: [f32; 3],
 }
 
+impl Branch {
+    /// All of a tree, from a point.
+    fn of(tree: &Tree, p: [f32; 3]) -> Self {
+        let offset = core::array::from_fn(|i| (tree.low[i] - p[i]).max(p[i] - tree.high[i]).max(0.0));
+        Self { first: tree.leaves.start, end: tree.leaves.end, offset }
+    }
+}
+
 impl Search<'_> {
     fn run(&mut self, tree: &Tree) {
         let p = self.region.position;
-        let offset = core::array::from_fn(|i| (tree.low[i] - p[i]).max(p[i] - tree.high[i]).max(0.0));
-        let mut branch = Branch { first: tree.leaves.start, end: tree.leaves.end, offset };
+        let mut branch = Branch::of(tree, p);
         let mut waiting = [Branch::default(); DEPTH];
         let mut depth = 0;
-        if !(square(offset) <= self.limit) {
+        if !(square(branch.offset) <= self.limit) {
             return;
         }
         loop {
@@ -224,21 +291,8 @@ impl Search<'_> {
 
     /// Adds the photons of a leaf that count.
     fn scan(&mut self, tree: &Tree, leaf: usize) {
-        let Region { position: p, normal: n, thickness, slope, .. } = *self.region;
-        let [x, y, z] = &self.map.leaves[leaf];
-        let mut distances = [0.0; LEAF];
-        let mut mask = 0_u32;
-        for i in 0..LEAF {
-            let d = [x[i] - p[0], y[i] - p[1], z[i] - p[2]];
-            let distance2 = square(d);
-            let height = n[0] * d[0] + n[1] * d[1] + n[2] * d[2];
-            let counts =
-                (distance2 <= self.limit) & (height * height <= thickness * thickness + slope * slope * distance2);
-            distances[i] = distance2;
-            mask |= u32::from(counts) << i;
-        }
-        #[allow(clippy::cast_possible_truncation, reason = "photons are numbered by 32 bits")]
-        let first = (tree.photons.start + (leaf - tree.leaves.start) * LEAF) as u32;
+        let (distances, mut mask) = self.map.distances(leaf, self.region, self.limit);
+        let first = tree.first_of(leaf);
         while mask != 0 {
             let i = mask.trailing_zeros();
             self.found.push(Near { distance2: distances[i as usize], photon: first + i });
@@ -262,7 +316,7 @@ impl Search<'_> {
 }
 
 /// Summed in this order everywhere: no rounding makes a box farther than what it holds.
-fn square(d: [f32; 3]) -> f32 {
+pub(super) fn square(d: [f32; 3]) -> f32 {
     d[0] * d[0] + d[1] * d[1] + d[2] * d[2]
 }
 
@@ -331,7 +385,7 @@ fn build_all(trees: Vec<Tree>, items: &mut [Item], leaves: &mut [Leaf], nodes: &
         parts.push((tree, part));
     }
     let build = |(mut tree, part): (Tree, Part)| {
-        [tree.low, tree.high] = bounds(part.items);
+        [tree.low, tree.high] = bounds_of(part.items);
         part.build();
         tree
     };
@@ -354,7 +408,7 @@ impl Part<'_> {
             *leaf = core::array::from_fn(|axis| core::array::from_fn(|i| coordinate(i, axis)));
             return;
         }
-        let axis = widest(bounds(items));
+        let axis = widest(bounds_of(items));
         let middle = leaves.len() / 2;
         let (_, pivot, _) = items.select_nth_unstable_by_key(middle * LEAF, |item| order(item, axis));
         #[allow(clippy::cast_possible_truncation, reason = "0, 1 or 2")]
@@ -383,13 +437,18 @@ fn order(item: &Item, axis: usize) -> u64 {
     u64::from(ordered) << 32 | u64::from(item.origin)
 }
 
-fn bounds(items: &[Item]) -> [[f32; 3]; 2] {
+fn bounds_of(items: &[Item]) -> [[f32; 3]; 2] {
+    bounds(items.iter().map(|item| item.position))
+}
+
+/// The least and the largest coordinates.
+fn bounds(positions: impl Iterator<Item = [f32; 3]>) -> [[f32; 3]; 2] {
     let mut low = [f32::INFINITY; 3];
     let mut high = [f32::NEG_INFINITY; 3];
-    for item in items {
+    for position in positions {
         for axis in 0..3 {
-            low[axis] = low[axis].min(item.position[axis]);
-            high[axis] = high[axis].max(item.position[axis]);
+            low[axis] = low[axis].min(position[axis]);
+            high[axis] = high[axis].max(position[axis]);
         }
     }
     [low, high]

@@ -3,20 +3,19 @@
 use alloc::sync::Arc;
 
 use super::bands::{BandReport, Bands, Slot, Thrown};
-use super::curves::{self, Curves, Motion};
+use super::curves::{self, Curves};
 use super::density::region_of;
-use super::map::Near;
 use super::reached::Reached;
 use super::waves::{Bundle, Waves};
 use super::{
-    Account, Density, Emission, Emitted, Estimate, Extents, Photon, PhotonMap, Place, Prefix, Scattered, Spectra,
-    surface,
+    Account, Density, Emission, Emitted, Estimate, Extents, Moving, Photon, PhotonMap, Place, Prefix, Scattered,
+    Spectra, surface,
 };
 use crate::geometry::{Hit, Ray};
 use crate::radiosity::Deposit;
 use crate::scene::Scene;
 use crate::spectral::Band;
-use crate::whitted::{Arrived, Arriving, Caustics, Reach, Whitted};
+use crate::whitted::{Arrived, Arriving, Caustics, Passing, Reach, Whitted};
 use spectral_core::interval::{FIRST_WAVELENGTH, LAST_WAVELENGTH};
 
 /// How photons that depend on the wavelength are thrown for a band.
@@ -41,6 +40,8 @@ pub(crate) struct Maps<'s> {
     even: Thrown,
     prefixes: Vec<Prefix>,
     curves: Option<Interpolated>,
+    /// About the radius of an estimate where there are photons, in scene units.
+    usual: f32,
     /// How far nine of ten photons move at most for each nm, where glass is the most dispersive.
     shift: f64,
     /// How much fluxes change in [`PROBES`] nm where they change the most, relative to themselves.
@@ -89,11 +90,9 @@ const PROBED: usize = 512;
 /// How much fluxes may change, relative to themselves, within a band whose parts don't have photons of their own.
 const CHANGE: f64 = 0.02;
 
-/// Photons stay where they are if they move less than this share of an estimate's radius. Others are looked for somewhat farther away than
-/// those at a place move; where these move by more than the radius, there are maps of bands.
-const STILL: f32 = 0.1;
-const MARGIN: f32 = 1.1;
-const FARTHEST: f32 = 1.0;
+/// In how many steps light is found at a place while photons move by the radius of its estimate, and in how many at most: a power of two.
+const STEPS: f32 = 2.0;
+const MOST_STEPS: u16 = 128;
 
 /// How far, relative to the radius of an estimate, photons may be from where they are thought to be.
 const NEAR: f32 = 0.1;
@@ -117,6 +116,7 @@ impl<'s> Maps<'s> {
             even: Thrown::new(photons, Arc::new(spectra), emission),
             prefixes,
             curves: None,
+            usual: 0.0,
             shift: 0.0,
             steepest: 0.0,
             reached: Reached::default(),
@@ -127,11 +127,14 @@ impl<'s> Maps<'s> {
             emission,
         };
         if !maps.prefixes.is_empty() {
-            let near = NEAR * maps.usual_radius();
-            maps.shift = maps.shift();
-            (maps.steepest, maps.reached) = maps.probe();
+            maps.usual = maps.usual_radius();
+            let are_bands_asked = rethrow == Rethrow::Traced || !maps.waves.is_continuous();
+            if are_bands_asked {
+                maps.shift = maps.shift();
+                (maps.steepest, maps.reached) = maps.probe();
+            }
             if rethrow == Rethrow::Interpolated {
-                maps.curves = Some(maps.interpolated(near));
+                maps.curves = Some(maps.interpolated(NEAR * maps.usual));
             }
             let whole = maps.bands.get(WHOLE);
             whole.thrown(|band| maps.throw(band));
@@ -224,8 +227,8 @@ impl<'s> Maps<'s> {
         let wavelength_of =
             |path: u32| if is_whole { self.waves.spread(band, path) } else { self.waves.of_path(band, path) };
         if let Some(Interpolated { curves, spectra, .. }) = &self.curves {
-            if let Some((photons, motions)) = curves.moving(wavelength_of).filter(|_| is_whole) {
-                return Thrown::new(photons, Arc::clone(spectra), self.emission).with_motions(&motions);
+            if is_whole && self.waves.is_continuous() {
+                return Thrown::moving((curves, self.usual), wavelength_of, Arc::clone(spectra), self.emission);
             }
             let photons = curves.photons(band.limits, wavelength_of);
             return Thrown::new(photons, Arc::clone(spectra), self.emission);
@@ -259,86 +262,49 @@ impl<'s> Maps<'s> {
         let shrink = self.shrink;
         let reach = Reach {
             radius: scratch.radius * shrink,
+            value: scratch.value,
             bias: bias * f64::from(shrink * shrink),
-            farthest: None,
-            is_still: false,
+            error: scratch.error_of_a_photon(),
         };
         (reach.radius > 0.0).then_some(reach)
     }
 
-    /// Finds the photons that reach a place at any wavelength, if that can be told: they move like nine of ten of those found there. Where
-    /// these stay where they are, none others come.
-    fn candidates(&self, thrown: &Thrown, place: &Place<'_>, reach: Reach, found: &mut Arrived) -> Reach {
-        let Arrived { scratch, candidates, near, distances, .. } = found;
+    /// Finds the light of the photons that pass a place, at as many wavelengths as it takes for how fast they are.
+    fn find_passing(&self, thrown: &Thrown, place: &Place<'_>, reach: Reach, found: &mut Arrived) {
+        let Arrived { candidates, distances, passing, irradiances, .. } = found;
         candidates.clear();
-        if thrown.motions.is_empty() {
-            return reach;
-        }
-        let motion = |(number, _)| thrown.motions.get(number as usize).map_or(0.0, Motion::reach);
+        passing.clear();
+        irradiances.clear();
         distances.clear();
-        distances.extend(scratch.photons().map(motion));
-        let farthest = curves::of_nine_in_ten(distances);
-        let is_still = farthest <= STILL * reach.radius;
-        if is_still {
-            candidates.extend(scratch.photons().map(|(number, _)| number));
-        } else if farthest <= FARTHEST * reach.radius {
-            let region = region_of(place, reach.radius + MARGIN * farthest);
-            thrown.map.within(place.surface, &region, near);
-            candidates.extend(near.iter().map(|near| near.photon));
-        } else {
-            return reach;
-        }
-        Reach { farthest: Some(MARGIN * farthest), is_still, ..reach }
-    }
-
-    /// Finds the light of a band that reaches a hit from the photons that may.
-    fn find_moved(
-        &self,
-        (hit, farthest): (&Hit, f32),
-        (band, reach): (Band, Reach),
-        found: &mut Arrived,
-    ) -> Arc<Spectra> {
-        let whole = self.whole.as_ref().and_then(|slot| slot.thrown.get());
-        let (Some(Interpolated { curves, spectra, .. }), Some(thrown)) = (&self.curves, whole) else {
-            return Arc::default();
-        };
-        let place = self.place(hit);
         let position = glam::Vec3A::from_array(place.position);
-        // They move by less than a radius: one wavelength does for the whole band.
-        #[allow(clippy::cast_possible_truncation, reason = "photons are kept in f32")]
-        let to = curves.between(band.wavelength) as f32;
-        let Arrived { scratch, candidates, moved, list, .. } = found;
-        moved.clear();
-        for number in candidates.iter().copied() {
-            let (Some(photon), Some(motion)) =
-                (thrown.map.photons().get(number as usize), thrown.motions.get(number as usize))
-            else {
-                continue;
-            };
-            let (at, flux) = motion.moved(photon, to, farthest);
-            let distance2 = position.distance_squared(glam::Vec3A::from_array(at));
-            if distance2 < reach.radius * reach.radius && place.sees(photon) {
-                moved.push((Near { distance2, photon: number }, flux));
+        thrown.passing(place.surface, &region_of(place, reach.radius), |photon, motion| {
+            if place.sees(photon) {
+                candidates.push(motion.past(photon, position));
             }
-        }
-        let worth = |(near, flux): &(Near, f32)| {
-            let spectrum = thrown.map.photons().get(near.photon as usize).map_or(0, |photon| photon.spectrum);
-            (*near, flux * thrown.worth_of(spectrum))
-        };
-        self.density.estimate_from(&place, reach.radius, moved.iter().map(worth), scratch);
-        scratch.bias = reach.bias * scratch.value;
-        let error = scratch.error_of_a_photon();
-        for ((number, weight), (_, flux)) in scratch.photons().zip(moved.iter()) {
-            let Some(photon) = thrown.map.photons().get(number as usize) else { continue };
-            let irradiance = f64::from(weight) * f64::from(*flux);
-            list.push(Arriving {
-                direction: glam::Vec3A::from_array(photon.direction).as_dvec3(),
-                irradiance,
-                error: error * irradiance,
-                spectrum: photon.spectrum,
+        });
+        distances.extend(candidates.iter().map(Moving::speed));
+        let radii = curves::of_nine_in_ten(distances) / reach.radius;
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "within limits")]
+        let steps = ((STEPS * radii).ceil().clamp(1.0, f32::from(MOST_STEPS)) as u16).next_power_of_two();
+        found.steps = steps;
+        let (kernel, scale) = (self.density.kernel, self.density.scale_within(place, reach.radius));
+        #[allow(clippy::cast_possible_truncation, reason = "numbers of this size")]
+        let (scale, by_radius) = (scale as f32, 1.0 / (reach.radius * reach.radius));
+        for moving in candidates.iter() {
+            let start = irradiances.len();
+            let [first, end] = moving.nodes(steps);
+            for node in first..end {
+                let (distance2, flux) = moving.at(f32::from(node) / f32::from(steps));
+                irradiances.push(flux * scale * kernel.value(distance2 * by_radius));
+            }
+            let direction = glam::Vec3A::from_array(moving.direction).as_dvec3();
+            passing.push(Passing {
+                direction,
+                spectrum: moving.spectrum,
+                first,
+                irradiances: start..irradiances.len(),
             });
         }
-        Arc::clone(spectra)
     }
 
     /// Finds a share of the light that reaches a hit, within a reach or by one that is chosen, with the least radius.
@@ -479,11 +445,8 @@ fn sorted(mut photons: Vec<Scattered>) -> Vec<Scattered> {
 }
 
 impl Caustics for Maps<'_> {
-    fn arriving(&self, hit: &Hit, least: f32, band: Option<(Band, Reach)>, found: &mut Arrived) -> Arc<Spectra> {
-        let Some((band, reach)) = band else { return self.find((&self.even, 1.0), hit, Err(least), found) };
-        if let Some(farthest) = reach.farthest {
-            return self.find_moved((hit, farthest), (band, reach), found);
-        }
+    fn arriving(&self, hit: &Hit, least: f32, asked: Option<(Band, Reach)>, found: &mut Arrived) -> Arc<Spectra> {
+        let Some((band, reach)) = asked else { return self.find((&self.even, 1.0), hit, Err(least), found) };
         let mut spectra = None;
         for (band, share) in self.standing_for(band, reach.radius, least).into_iter().flatten() {
             let (slot, before) = (self.bands.get(band), found.list.len());
@@ -500,13 +463,17 @@ impl Caustics for Maps<'_> {
     /// the ends of a spectrum, it is the largest.
     fn reach(&self, hit: &Hit, least: f32, found: &mut Arrived) -> Option<Reach> {
         let thrown = self.whole.as_ref()?.thrown.get()?;
-        let place = self.place(hit);
-        if let Some(reach) = self.reach_in(thrown, &place, least, &mut found.scratch) {
-            return Some(self.candidates(thrown, &place, reach, found));
+        if let Some(reach) = self.reach_in(thrown, &self.place(hit), least, &mut found.scratch) {
+            return Some(reach);
         }
-        found.candidates.clear();
         let radius = self.density.radius * self.shrink;
-        let largest = || Reach { radius, bias: 0.0, farthest: None, is_still: false };
-        self.reached.is_near(hit.position).then(largest)
+        let may_come = thrown.is_moving() || self.reached.is_near(hit.position);
+        may_come.then_some(Reach { radius, value: 0.0, bias: 0.0, error: 1.0 })
+    }
+
+    fn passing(&self, hit: &Hit, reach: Reach, found: &mut Arrived) -> Option<Arc<Spectra>> {
+        let thrown = self.whole.as_ref()?.thrown.get().filter(|thrown| thrown.is_moving())?;
+        self.find_passing(thrown, &self.place(hit), reach, found);
+        Some(Arc::clone(&thrown.spectra))
     }
 }

@@ -17,6 +17,7 @@ mod global;
 mod kernel;
 mod map;
 mod maps;
+mod passing;
 mod points;
 mod products;
 #[cfg(test)]
@@ -32,13 +33,14 @@ mod waves;
 
 pub(crate) use account::Account;
 pub use bands::BandReport;
+pub(crate) use curves::Moving;
 pub(crate) use density::{Choice, Density, Estimate, Place};
 pub(crate) use emission::{Emission, Emitted, Settings};
 pub(crate) use extent::Extents;
 pub(crate) use gather::{GatherSettings, Gatherer};
 pub(crate) use global::{Balance, Global, GlobalSettings};
 pub use kernel::Kernel;
-pub(crate) use map::{Near, PhotonMap};
+pub(crate) use map::PhotonMap;
 pub(crate) use maps::Maps;
 pub use maps::Rethrow;
 pub(crate) use shades::Shades;
@@ -47,7 +49,7 @@ pub(crate) use trace::Prefix;
 pub use waves::Bundle;
 
 /// Light where it met a surface that scatters it.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Photon {
     /// Where, in scene units.
     pub(crate) position: [f32; 3],

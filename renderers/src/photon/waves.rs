@@ -52,6 +52,11 @@ impl Waves {
         Self { nearby: nearby.collect(), cumulative, bundle }
     }
 
+    /// Whether each photon has a wavelength of its own.
+    pub(crate) fn is_continuous(&self) -> bool {
+        self.bundle == Bundle::Continuous
+    }
+
     /// The wavelength in nm, inside a band, of the path with this number.
     pub(crate) fn of_path(&self, band: Band, path: u32) -> f64 {
         match self.bundle {

@@ -7,12 +7,16 @@ use spectral_core::adaptive::{Mode, Piece, Status, Target, evaluate};
 use spectral_core::bound::delta_e_bound;
 use spectral_core::colour::rgb;
 use spectral_core::expression::{Op, Order, Program, Sources};
-use spectral_core::interval::{BuildError, Domain, Interval, Node, Pyramid, Weight, node_count, nodes};
+use spectral_core::interval::{
+    BuildError, Domain, FIRST_WAVELENGTH, Interval, LAST_WAVELENGTH, Node, Pyramid, Weight, node_count, nodes,
+};
 use spectral_core::spectrum::{PiecewiseLinear, Spectrum};
-use spectral_core::subdivision::{Stage, Subdivision};
+use spectral_core::subdivision::{Scaled, Stage, Subdivision};
 
 use super::radiance::PairBuild;
-use super::{Band, Colour, Deferred, Monomial, Monomials, Palette, Radiance, Resolver, Tracer, Y_INTEGRAL, normalised};
+use super::{
+    Band, Colour, Deferred, Monomial, Monomials, Palette, Radiance, Resolver, Tabulated, Tracer, Y_INTEGRAL, normalised,
+};
 
 /// How deep the visible domain may be split: 2⁸ parts of 1.6 nm. Products on the deepest parts are integrated exactly.
 const DEPTH: u8 = 8;
@@ -23,6 +27,8 @@ const BRIGHTEST: f64 = 64.0;
 /// How many products on intervals, and how many subdivisions, each thread keeps: 10 MB, and about as much.
 const MAX_KEPT: usize = 1 << 16;
 const MAX_RECORDED: usize = 1 << 13;
+/// Sums of more products are evaluated together.
+const MOST_SUMMED: usize = 12;
 /// A colour of which nothing is known.
 const UNKNOWN: Colour = Colour { radius: [f64::INFINITY; 3], delta_e: f64::INFINITY, intervals: 1, ..Colour::DARK };
 
@@ -68,6 +74,78 @@ pub struct SharedIntervals<'a> {
 pub struct IntervalMemory {
     weights: Vec<Weight<f64>>,
     intervals: Vec<Vec<Interval<f64>>>,
+    hats: Vec<Tabulated>,
+}
+
+/// Light that changes with 1/λ² in straight lines, by so many steps over the visible wavelengths, is a sum of hats: what it is at the ends of the steps
+/// counts for the wavelengths between.
+const STEPS: [u16; 3] = [1, 2, 4];
+
+/// The most ends of steps.
+const MOST_ENDS: usize = 5;
+
+/// The hats for each of these numbers of steps.
+fn hats() -> Vec<Tabulated> {
+    let [first, last] = [FIRST_WAVELENGTH, LAST_WAVELENGTH].map(measure);
+    let place = |wavelength: f64| ((measure(wavelength) - first) / (last - first)).clamp(0.0, 1.0);
+    let hat = |steps: u16, end: u16| {
+        let height = |wavelength: f64| 1.0 - (place(wavelength) * f64::from(steps) - f64::from(end)).abs();
+        Tabulated::sampled(|wavelength| height(wavelength).max(0.0))
+    };
+    STEPS.iter().flat_map(|steps| (0..=*steps).map(|end| hat(*steps, end))).collect()
+}
+
+/// A product of spectra in a pixel: for light that is the same at all wavelengths, or what a hat has of it.
+type Term = (Monomial, Option<Hat>);
+
+/// A hat by its number among all.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Hat(u32);
+
+impl Hat {
+    /// Those for one of the numbers of steps.
+    fn all(steps: u16) -> impl Iterator<Item = Self> {
+        let before: u16 = STEPS.iter().take_while(|other| **other < steps).map(|other| other + 1).sum();
+        (before..=before + steps).map(|number| Self(u32::from(number)))
+    }
+
+    /// A number for a hat or none.
+    const fn code(hat: Option<Self>) -> u32 {
+        match hat {
+            None => 0,
+            Some(Self(number)) => number + 1,
+        }
+    }
+}
+
+/// Light on straight lines: a product, the steps, and what it is at their ends.
+#[derive(Clone, Copy, Debug)]
+struct Lines {
+    monomial: Monomial,
+    steps: u16,
+    ends: [f64; MOST_ENDS],
+}
+
+impl Lines {
+    /// The same in more steps, a multiple of its own.
+    fn in_steps(self, steps: u16) -> Self {
+        let times = steps / self.steps;
+        let end = |number: usize| {
+            let (before, part) = (number / usize::from(times), number % usize::from(times));
+            let [from, to] = [before, before + 1].map(|end| self.ends.get(end).copied().unwrap_or_default());
+            #[allow(clippy::cast_precision_loss, reason = "a few")]
+            let part = part as f64 / f64::from(times);
+            if number <= usize::from(steps) { from + (to - from) * part } else { 0.0 }
+        };
+        Self { steps, ends: core::array::from_fn(end), ..self }
+    }
+
+    /// The sum of this and other light of the same product.
+    fn plus(self, other: Self) -> Self {
+        let steps = self.steps.max(other.steps);
+        let [a, b] = [self, other].map(|lines| lines.in_steps(steps));
+        Self { ends: core::array::from_fn(|end| a.ends[end] + b.ends[end]), ..a }
+    }
 }
 
 impl<'a> SharedIntervals<'a> {
@@ -81,12 +159,14 @@ impl<'a> SharedIntervals<'a> {
         memory: &'a mut IntervalMemory,
     ) -> Result<Self, String> {
         let count = node_count(DEPTH);
-        memory.weights.resize(count, Weight::default());
-        memory.intervals.resize(palette.leaves().len(), vec![Interval::zero(); count]);
-        let domain = Domain::build(Observer::cie_1931_2deg(), DEPTH, &mut memory.weights)
-            .map_err(|e: BuildError| e.to_string())?;
+        let IntervalMemory { weights, intervals, hats: all_hats } = memory;
+        *all_hats = hats();
+        weights.resize(count, Weight::default());
+        intervals.resize(palette.leaves().len() + all_hats.len(), vec![Interval::zero(); count]);
+        let domain = Domain::build(Observer::cie_1931_2deg(), DEPTH, weights).map_err(|e: BuildError| e.to_string())?;
         let (mut pyramids, mut spectra) = (Vec::new(), Vec::new());
-        for ((leaf, _), buffer) in palette.leaves().iter().zip(&mut memory.intervals) {
+        let leaves = palette.leaves().iter().map(|(leaf, _)| leaf).chain(&*all_hats);
+        for (leaf, buffer) in leaves.zip(intervals) {
             let spectrum = leaf.spectrum()?;
             pyramids.push(Pyramid::build(&spectrum, &domain, buffer).map_err(|e| e.to_string())?);
             spectra.push(spectrum);
@@ -127,6 +207,13 @@ impl<'a> SharedIntervals<'a> {
         self.settings.mode.order()
     }
 
+    /// The leaf that a hat is: these follow the palette's.
+    #[allow(clippy::cast_possible_truncation, reason = "leaves are numbered by 32 bits")]
+    fn leaf_of(&self, Hat(number): Hat) -> u32 {
+        let hats = STEPS.iter().map(|steps| u32::from(steps + 1)).sum::<u32>();
+        self.pyramids.len() as u32 - hats + number
+    }
+
     /// A product of spectra on an interval.
     fn product(&self, leaves: &[u32], node: Node, weight: &Weight<f64>) -> Interval<f64> {
         let mut factors = leaves.iter().filter_map(|leaf| self.pyramids.get(*leaf as usize)?.get(node));
@@ -159,7 +246,7 @@ pub struct Intervals<'a> {
     pieces: Vec<Piece<f64>>,
     ops: Vec<Op<f64>>,
     products: Products,
-    recorded: HashMap<Monomial, Recorded, PairBuild>,
+    recorded: HashMap<(u32, u32), Recorded, PairBuild>,
 }
 
 /// Products of spectra on intervals, kept for reuse: at most [`MAX_KEPT`], then they are forgotten.
@@ -173,15 +260,21 @@ impl Products {
         &mut self,
         shared: &SharedIntervals<'_>,
         monomials: &Monomials,
-        monomial: Monomial,
+        (monomial, hat): Term,
         node: Node,
     ) -> Interval<f64> {
-        let compute = || shared.product(monomials.leaves(monomial), node, &shared.domain.weight(node));
+        let compute = || {
+            let (leaves, weight) = (monomials.leaves(monomial), shared.domain.weight(node));
+            match hat {
+                None => shared.product(leaves, node, &weight),
+                Some(hat) => shared.product(&[leaves, &[shared.leaf_of(hat)]].concat(), node, &weight),
+            }
+        };
         if self.kept.len() >= MAX_KEPT {
             self.kept.clear();
         }
         #[allow(clippy::cast_possible_truncation, reason = "below 2¹³")]
-        let place = node.position() as u32;
+        let place = node.position() as u32 | Hat::code(hat) << 16;
         *self.kept.entry((monomial.number(), place)).or_insert_with(compute)
     }
 }
@@ -202,33 +295,56 @@ impl<'a> Intervals<'a> {
     /// A single product: read from its recorded subdivision; `None` when it is brighter than that was recorded for.
     ///
     /// What is recorded doesn't depend on the pixels met before, so that colours don't depend on the order of pixels.
-    fn scaled(&mut self, monomials: &Monomials, monomial: Monomial, scale: f64) -> Option<Colour> {
-        if !self.recorded.contains_key(&monomial) {
+    fn scaled(&mut self, monomials: &Monomials, term: Term, scale: f64) -> Option<Scaled<f64>> {
+        let key = (term.0.number(), Hat::code(term.1));
+        if !self.recorded.contains_key(&key) {
             if self.recorded.len() >= MAX_RECORDED {
                 self.recorded.clear();
             }
-            let recorded = self.record(monomials, monomial);
-            self.recorded.insert(monomial, recorded);
+            let recorded = self.record(monomials, term);
+            self.recorded.insert(key, recorded);
         }
-        let recorded = self.recorded.get(&monomial).filter(|r| scale <= r.largest)?;
+        let recorded = self.recorded.get(&key).filter(|r| scale <= r.largest)?;
         let subdivision = Subdivision::from_stages(&recorded.stages, self.shared.white, recorded.status);
-        let found = subdivision.at_scale(scale);
-        Some(Colour {
-            xyz: normalised(found.xyz),
-            radius: normalised(found.radius),
-            delta_e: found.delta_e,
-            intervals: found.intervals,
+        Some(subdivision.at_scale(scale))
+    }
+
+    /// A sum of few products, each from its own subdivision; `None` if that is not good enough.
+    fn summed(&mut self, monomials: &Monomials, terms: &[(Term, f64)]) -> Option<Colour> {
+        if terms.len() > MOST_SUMMED {
+            return None;
+        }
+        let (mut xyz, mut radius, mut intervals) = ([0.0; 3], [0.0; 3], 0);
+        // As many times as bright, each has the intervals that make the sum good enough, about.
+        #[allow(clippy::cast_precision_loss, reason = "a few")]
+        let (count, times) = (terms.len() as f64, terms.len().next_power_of_two() as f64);
+        for (term, scale) in terms {
+            let found = self.scaled(monomials, *term, times * scale)?;
+            xyz = core::array::from_fn(|a| xyz[a] + found.xyz[a] / times);
+            radius = core::array::from_fn(|a| radius[a] + found.radius[a] / times);
+            intervals = intervals.max(found.intervals);
+        }
+        // Twice the rounding of so many sums.
+        let rounding = 2.0 * f64::EPSILON * count;
+        let radius = core::array::from_fn(|a| radius[a] * (1.0 + rounding) + rounding * xyz[a].abs());
+        let delta_e = delta_e_bound(xyz, radius, self.shared.white).delta_e;
+        let (xyz, radius) = (normalised(xyz), normalised(radius));
+        (delta_e <= self.shared.settings.threshold).then_some(Colour {
+            xyz,
+            radius,
+            delta_e,
+            intervals,
             ..Colour::DARK
         })
     }
 
-    fn record(&mut self, monomials: &Monomials, monomial: Monomial) -> Recorded {
+    fn record(&mut self, monomials: &Monomials, term: Term) -> Recorded {
         let shared = self.shared;
-        let root = self.products.get(shared, monomials, monomial, Node::ROOT);
+        let root = self.products.get(shared, monomials, term, Node::ROOT);
         let [_, luminance, _] = root.tristimulus(&shared.domain.weight(Node::ROOT));
         let largest = BRIGHTEST * shared.white[1] / luminance.abs().max(f64::MIN_POSITIVE);
         let mut stages = vec![Stage::default(); MAX_PIECES];
-        let mut sources = Single { shared, monomials, monomial, products: &mut self.products };
+        let mut sources = Single { shared, monomials, term, products: &mut self.products };
         let ops = [Op::Deferred(0)];
         self.stack.resize(1, Interval::zero());
         let (count, status) = Program::new(&ops)
@@ -253,10 +369,10 @@ impl<'a> Intervals<'a> {
     }
 
     /// Any sum: evaluated afresh.
-    fn general(&mut self, radiance: &Radiance, tracer: &mut dyn Tracer) -> Colour {
+    fn general(&mut self, (terms, groups): (&[(Term, f64)], &[Group]), tracer: &mut dyn Tracer) -> Colour {
         let shared = self.shared;
         self.ops.clear();
-        let weights = radiance.terms().iter().map(|(_, w)| *w).chain(radiance.deferred().iter().map(|(_, _, w)| *w));
+        let weights = terms.iter().map(|(_, w)| *w).chain(groups.iter().map(|_| 1.0));
         for (number, weight) in (0_u32..).zip(weights) {
             self.ops.extend([Op::Deferred(number), Op::Scale(weight)]);
             if number > 0 {
@@ -267,7 +383,7 @@ impl<'a> Intervals<'a> {
         let Ok(program) = Program::new(&self.ops) else { return UNKNOWN };
         self.stack.resize(program.stack_size(), Interval::zero());
         let target = Target { mode: shared.settings.mode, threshold: shared.settings.threshold, white: shared.white };
-        let mut sources = Pixel::new((shared, &mut self.products), radiance, tracer);
+        let mut sources = Pixel::new((shared, &mut self.products), (terms, groups), tracer);
         let result = evaluate(&program, &shared.domain, &target, &mut sources, &mut self.stack, &mut self.pieces);
         let Ok(found) = result else {
             return UNKNOWN;
@@ -287,13 +403,25 @@ impl<'a> Intervals<'a> {
 
 impl Resolver for Intervals<'_> {
     fn resolve(&mut self, radiance: &Radiance, tracer: &mut dyn Tracer) -> Colour {
+        let general = |known: &mut Self, tracer: &mut dyn Tracer| {
+            let (terms, groups) = parts(radiance, tracer);
+            let are_lines = groups.is_empty() && terms.iter().any(|((_, hat), _)| hat.is_some());
+            let summed = if are_lines { known.summed(tracer.monomials(), &terms) } else { None };
+            summed.unwrap_or_else(|| known.general((&terms, &groups), tracer))
+        };
         match (radiance.terms(), radiance.deferred()) {
             ([], []) => Colour { intervals: 1, ..Colour::default() },
-            ([(monomial, scale)], []) => {
-                let found = self.scaled(tracer.monomials(), *monomial, *scale);
-                found.unwrap_or_else(|| self.general(radiance, tracer))
-            }
-            _ => self.general(radiance, tracer),
+            ([(monomial, scale)], []) => match self.scaled(tracer.monomials(), (*monomial, None), *scale) {
+                Some(found) => Colour {
+                    xyz: normalised(found.xyz),
+                    radius: normalised(found.radius),
+                    delta_e: found.delta_e,
+                    intervals: found.intervals,
+                    ..Colour::DARK
+                },
+                None => general(self, tracer),
+            },
+            _ => general(self, tracer),
         }
     }
 }
@@ -302,7 +430,7 @@ impl Resolver for Intervals<'_> {
 struct Single<'p, 'a> {
     shared: &'a SharedIntervals<'a>,
     monomials: &'p Monomials,
-    monomial: Monomial,
+    term: Term,
     products: &'p mut Products,
 }
 
@@ -311,7 +439,7 @@ impl Sources<f64> for Single<'_, '_> {
         None
     }
     fn deferred(&mut self, _: u32, node: Node) -> Option<Interval<f64>> {
-        Some(self.products.get(self.shared, self.monomials, self.monomial, node))
+        Some(self.products.get(self.shared, self.monomials, self.term, node))
     }
 }
 
@@ -329,7 +457,8 @@ const UNEVEN: f64 = 0.5;
 /// enters the bound.
 struct Pixel<'p, 'a> {
     shared: &'a SharedIntervals<'a>,
-    radiance: &'p Radiance,
+    terms: &'p [(Term, f64)],
+    groups: &'p [Group],
     tracer: &'p mut dyn Tracer,
     products: &'p mut Products,
     /// Light that was traced for the middle wavelengths of intervals.
@@ -342,12 +471,55 @@ struct Pixel<'p, 'a> {
     total: Option<[f64; 3]>,
 }
 
-/// What is known of deferred light on intervals.
+/// Deferred light that is seen through the same product of spectra, each with what it is multiplied by: it is taken together, as parts of it may
+/// change where their sum doesn't.
+struct Group {
+    number: u32,
+    through: Monomial,
+    parts: Vec<(Deferred, f64)>,
+}
+
+/// A pixel's products, those of lines among them, and the groups of the rest of its deferred light.
+fn parts(radiance: &Radiance, tracer: &mut dyn Tracer) -> (Vec<(Term, f64)>, Vec<Group>) {
+    let mut terms: Vec<(Term, f64)> = radiance.terms().iter().map(|(m, weight)| ((*m, None), *weight)).collect();
+    let mut lines: Vec<Lines> = Vec::new();
+    let mut groups: Vec<Group> = Vec::new();
+    for (deferred, through, weight) in radiance.deferred() {
+        let mut add = |monomial: Monomial, weights: &[f64]| {
+            let steps = u16::try_from(weights.len()).unwrap_or(0).saturating_sub(1);
+            let own =
+                Lines { monomial, steps, ends: core::array::from_fn(|end| weights.get(end).copied().unwrap_or(0.0)) };
+            match lines.iter_mut().find(|known| known.monomial == monomial) {
+                Some(known) => *known = known.plus(own),
+                None => lines.push(own),
+            }
+        };
+        if tracer.lines(*deferred, (*through, *weight), &STEPS, &mut add) {
+            continue;
+        }
+        match groups.iter_mut().find(|group| group.through == *through) {
+            Some(group) => match group.parts.iter_mut().find(|(known, _)| known == deferred) {
+                Some((_, sum)) => *sum += weight,
+                None => group.parts.push((*deferred, *weight)),
+            },
+            None => {
+                let number = u32::try_from(groups.len()).unwrap_or(u32::MAX);
+                groups.push(Group { number, through: *through, parts: vec![(*deferred, *weight)] });
+            }
+        }
+    }
+    for Lines { monomial, steps, ends } in lines {
+        terms.extend(Hat::all(steps).zip(ends).map(|(hat, weight)| ((monomial, Some(hat)), weight)));
+    }
+    (terms, groups)
+}
+
+/// What is known of groups of deferred light on intervals.
 type ByNode<T> = HashMap<(u32, u32), T, PairBuild>;
 
 #[allow(clippy::cast_possible_truncation, reason = "below 2¹³")]
-const fn key(deferred: Deferred, node: Node) -> (u32, u32) {
-    (deferred.0, node.position() as u32)
+const fn key(group: &Group, node: Node) -> (u32, u32) {
+    (group.number, node.position() as u32)
 }
 
 /// Deferred light on an interval, and what its tristimulus values may be off by.
@@ -359,21 +531,29 @@ struct Served {
 impl<'p, 'a> Pixel<'p, 'a> {
     fn new(
         (shared, products): (&'a SharedIntervals<'a>, &'p mut Products),
-        radiance: &'p Radiance,
+        (terms, groups): (&'p [(Term, f64)], &'p [Group]),
         tracer: &'p mut dyn Tracer,
     ) -> Self {
         let (traced, is_steady, path_radii) = (ByNode::default(), ByNode::default(), ByNode::default());
-        Self { shared, radiance, tracer, products, traced, is_steady, path_radii, total: None }
+        Self { shared, terms, groups, tracer, products, traced, is_steady, path_radii, total: None }
     }
 
     /// Deferred light traced for the middle wavelength of an interval, once.
-    fn trace(&mut self, deferred: Deferred, node: Node) -> &Radiance {
+    fn trace(&mut self, deferred: &Group, node: Node) -> &Radiance {
         let (tracer, shared) = (&mut self.tracer, self.shared);
-        self.traced.entry(key(deferred, node)).or_insert_with(|| tracer.trace(deferred, shared.band(node)))
+        self.traced.entry(key(deferred, node)).or_insert_with(|| {
+            let mut sum = Radiance::default();
+            for (deferred, scale) in &deferred.parts {
+                for (monomial, weight) in tracer.trace(*deferred, shared.band(node)).terms() {
+                    sum.add(*monomial, scale * weight);
+                }
+            }
+            sum
+        })
     }
 
     /// A sum of traced light.
-    fn combined(&mut self, deferred: Deferred, parts: &[(Node, f64)]) -> Radiance {
+    fn combined(&mut self, deferred: &Group, parts: &[(Node, f64)]) -> Radiance {
         let mut sum = Radiance::default();
         for (node, share) in parts {
             for (monomial, weight) in self.trace(deferred, *node).terms() {
@@ -384,7 +564,7 @@ impl<'p, 'a> Pixel<'p, 'a> {
     }
 
     /// The light of the whole domain: that of its halves, by their parts of the eye's sensitivity.
-    fn whole(&mut self, deferred: Deferred) -> Radiance {
+    fn whole(&mut self, deferred: &Group) -> Radiance {
         let parts = halves(Node::ROOT).map(|half| (half, self.share(half)));
         self.combined(deferred, &parts)
     }
@@ -400,19 +580,19 @@ impl<'p, 'a> Pixel<'p, 'a> {
         if let Some(total) = self.total {
             return total;
         }
-        let radiance = self.radiance;
-        let mut total = self.colour(radiance, Node::ROOT);
-        for (deferred, _, scale) in radiance.deferred() {
-            let whole = self.whole(*deferred);
+        let own = self.sum(self.terms.iter().copied(), Node::ROOT);
+        let mut total = own.tristimulus(&self.shared.domain.weight(Node::ROOT));
+        for group in self.groups {
+            let whole = self.whole(group);
             let part = self.colour(&whole, Node::ROOT);
-            total = core::array::from_fn(|a| total[a] + scale * part[a]);
+            total = core::array::from_fn(|a| total[a] + part[a]);
         }
         self.total = Some(total);
         total
     }
 
-    /// Deferred light, which counts for so much, for an interval: from the widest interval around it that it changes steadily in.
-    fn serve(&mut self, deferred: Deferred, node: Node, scale: f64) -> Served {
+    /// Deferred light for an interval: from the widest interval around it that it changes steadily in.
+    fn serve(&mut self, deferred: &Group, node: Node) -> Served {
         if node == Node::ROOT {
             let light = self.whole(deferred);
             let estimate = halves(node).map(|half| self.difference(deferred, &light, half));
@@ -420,7 +600,7 @@ impl<'p, 'a> Pixel<'p, 'a> {
         }
         let mut ancestors: Vec<Node> = core::iter::successors(node.parent(), |node| node.parent()).collect();
         while let Some(wider) = ancestors.pop() {
-            if self.is_steady(deferred, wider, scale) {
+            if self.is_steady(deferred, wider) {
                 return self.interpolated(deferred, wider, node);
             }
         }
@@ -433,7 +613,7 @@ impl<'p, 'a> Pixel<'p, 'a> {
     }
 
     /// How far the light traced for an interval is from other light there.
-    fn difference(&mut self, deferred: Deferred, other: &Radiance, node: Node) -> [f64; 3] {
+    fn difference(&mut self, deferred: &Group, other: &Radiance, node: Node) -> [f64; 3] {
         let own = self.trace(deferred, node).clone();
         let [own, other] = [&own, other].map(|light| self.colour(light, node));
         core::array::from_fn(|a| (own[a] - other[a]).abs())
@@ -441,7 +621,7 @@ impl<'p, 'a> Pixel<'p, 'a> {
 
     /// The light of an interval by the parabola of a wider one. It may be off by as much as the parabola is bent, and by half of what it changes
     /// within the interval.
-    fn interpolated(&mut self, deferred: Deferred, wider: Node, node: Node) -> Served {
+    fn interpolated(&mut self, deferred: &Group, wider: Node, node: Node) -> Served {
         let at = |wavelength: f64| self.shared.parabola(wider, wavelength);
         let own = at(self.shared.band(node).wavelength);
         let [first, last] = halves(node).map(|half| at(self.shared.band(half).wavelength));
@@ -455,60 +635,64 @@ impl<'p, 'a> Pixel<'p, 'a> {
         Served { light, estimate: core::array::from_fn(|a| change[a].abs() + bend[a].abs()) }
     }
 
-    /// Whether light that counts for so much is on a line, near enough, at the middles of an interval and its halves. Three that differ much,
+    /// Whether light is on a line, near enough, at the middles of an interval and its halves. Three that differ much,
     /// as in a prism's spectrum, may be on a line by chance: then all that they differ by counts.
-    fn is_steady(&mut self, deferred: Deferred, node: Node, scale: f64) -> bool {
+    fn is_steady(&mut self, deferred: &Group, node: Node) -> bool {
         if let Some(known) = self.is_steady.get(&key(deferred, node)) {
             return *known;
         }
         let [first, last] = halves(node);
         let [a, b, c] = self.shared.bend(node);
         let bend = self.combined(deferred, &[(first, a), (node, b), (last, c)]);
-        let mut estimate = self.colour(&bend, node).map(|e| (e * scale).abs());
+        let mut estimate = self.colour(&bend, node).map(f64::abs);
         let change = self.combined(deferred, &[(first, -1.0), (last, 1.0)]);
         let own = self.combined(deferred, &[(node, 1.0)]);
-        let [change, own] = [&change, &own].map(|light| self.colour(light, node).map(|e| (e * scale).abs()));
+        let [change, own] = [&change, &own].map(|light| self.colour(light, node).map(f64::abs));
         if (0..3).any(|a| change[a] > UNEVEN * own[a]) {
             estimate = core::array::from_fn(|a| estimate[a].max(change[a]));
         }
         #[allow(clippy::cast_precision_loss, reason = "a pixel has fewer")]
-        let paths = self.radiance.deferred().len() as f64;
-        let allowed = PATH_SHARE * self.shared.settings.threshold * self.share(node) / paths;
+        let groups = self.groups.len() as f64;
+        let allowed = PATH_SHARE * self.shared.settings.threshold * self.share(node) / groups;
         let is_steady = delta_e_bound(self.total(), estimate, self.shared.white).delta_e <= allowed;
         self.is_steady.insert(key(deferred, node), is_steady);
         is_steady
     }
 
     /// Products of spectra on an interval.
-    fn sum(&mut self, light: &Radiance, node: Node) -> Interval<f64> {
+    fn sum(&mut self, terms: impl Iterator<Item = (Term, f64)>, node: Node) -> Interval<f64> {
         let weight = self.shared.domain.weight(node);
         let monomials = self.tracer.monomials();
         let mut sum = Interval::zero();
-        for (monomial, scale) in light.terms() {
-            let product = self.products.get(self.shared, monomials, *monomial, node);
+        for (term, scale) in terms {
+            let product = self.products.get(self.shared, monomials, term, node);
             sum = match self.shared.order() {
-                Order::First => sum.sum_first_order(&product.scale_first_order(*scale)),
-                Order::Certified => sum.sum(&product.scale(*scale, &weight), &weight),
+                Order::First => sum.sum_first_order(&product.scale_first_order(scale)),
+                Order::Certified => sum.sum(&product.scale(scale, &weight), &weight),
             };
         }
         sum
     }
 
+    /// Light on an interval.
+    fn light(&mut self, light: &Radiance, node: Node) -> Interval<f64> {
+        self.sum(light.terms().iter().map(|(monomial, weight)| ((*monomial, None), *weight)), node)
+    }
+
     fn colour(&mut self, light: &Radiance, node: Node) -> [f64; 3] {
-        let weight = self.shared.domain.weight(node);
-        self.sum(light, node).tristimulus(&weight)
+        self.light(light, node).tristimulus(&self.shared.domain.weight(node))
     }
 
     /// The total of the path estimates over a subdivision; `None` when no light is deferred.
     fn path_radius(&self, nodes: impl Iterator<Item = Node>) -> Option<[f64; 3]> {
-        if self.radiance.deferred().is_empty() {
+        if self.groups.is_empty() {
             return None;
         }
         let mut total = [0.0; 3];
         for node in nodes {
-            for (deferred, _, weight) in self.radiance.deferred() {
-                if let Some(radius) = self.path_radii.get(&key(*deferred, node)) {
-                    total = core::array::from_fn(|a| total[a] + weight * radius[a]);
+            for group in self.groups {
+                if let Some(radius) = self.path_radii.get(&key(group, node)) {
+                    total = core::array::from_fn(|a| total[a] + radius[a]);
                 }
             }
         }
@@ -523,13 +707,13 @@ impl Sources<f64> for Pixel<'_, '_> {
 
     fn deferred(&mut self, id: u32, node: Node) -> Option<Interval<f64>> {
         let place = id as usize;
-        if let Some((monomial, _)) = self.radiance.terms().get(place) {
-            return Some(self.products.get(self.shared, self.tracer.monomials(), *monomial, node));
+        if let Some((term, _)) = self.terms.get(place) {
+            return Some(self.products.get(self.shared, self.tracer.monomials(), *term, node));
         }
-        let (deferred, monomial, scale) = *self.radiance.deferred().get(place - self.radiance.terms().len())?;
-        let Served { light, estimate } = self.serve(deferred, node, scale);
-        let mut light = self.sum(&light, node);
-        self.path_radii.insert(key(deferred, node), estimate);
+        let group = self.groups.get(place - self.terms.len())?;
+        let Served { light, estimate } = self.serve(group, node);
+        let mut light = self.light(&light, node);
+        self.path_radii.insert(key(group, node), estimate);
         match self.shared.order() {
             // Without a radius of its own, the first order counts the path's error with the spectrum's.
             Order::First => {
@@ -540,7 +724,7 @@ impl Sources<f64> for Pixel<'_, '_> {
             }
         }
         let weight = self.shared.domain.weight(node);
-        let through = self.products.get(self.shared, self.tracer.monomials(), monomial, node);
+        let through = self.products.get(self.shared, self.tracer.monomials(), (group.through, None), node);
         Some(match self.shared.order() {
             Order::First => light.product_first_order(&through),
             Order::Certified => light.product(&through, &weight),

@@ -83,6 +83,18 @@ pub trait Tracer {
     /// The radiance of deferred light for some waves; nothing in it is deferred.
     fn trace(&mut self, deferred: Deferred, band: Band) -> Radiance;
 
+    /// Calls with the products of deferred light times another product and a weight, and with their weights at the ends of as many steps as one of these
+    /// numbers, evenly spaced by 1/λ² from 380 to 780 nm, if between them it changes in proportion to that; otherwise it is false.
+    fn lines(
+        &mut self,
+        _: Deferred,
+        _by: (Monomial, f64),
+        _steps: &[u16],
+        _: &mut dyn FnMut(Monomial, &[f64]),
+    ) -> bool {
+        false
+    }
+
     /// The gathered light in deferred light, along the path of one wavelength.
     fn trace_gathered(&mut self, deferred: Deferred) -> Radiance {
         self.trace(deferred, Band::single(MEAN_WAVELENGTH))

@@ -1,29 +1,37 @@
 //! Light that reaches surfaces by way of mirrors and glass, from whatever finds it.
 
 use alloc::sync::Arc;
+use core::ops::Range;
+use std::sync::LazyLock;
 
 use glam::DVec3;
+use spectral_core::Observer;
 use spectral_core::brdf::Schlick;
+use spectral_core::interval::{FIRST_WAVELENGTH, LAST_WAVELENGTH};
 
 use super::schlick::schlick_terms;
+use super::seen::LEAST_COSINE;
 use super::{Later, Path, Worker, receiver};
 use crate::direct::{Part, Receiver};
 use crate::frame::Frame;
 use crate::geometry::Hit;
 use crate::material::{Glossy, Lobe, Material};
-use crate::photon::{Estimate, Near, Spectra};
+use crate::photon::{Estimate, Moving, Spectra};
 use crate::spectral::{Band, Deferred, Factor, Monomial, Radiance};
 
 /// Light that reaches surfaces by way of mirrors and glass: paths L S⁺ D.
 pub(crate) trait Caustics: Sync {
-    /// Finds the light that reaches a place on a surface: on the side that was hit, by ways that are the same for all waves if there is no
-    /// band, or by those that are not, for the waves of a band, within the reach for that place. Light within `least` of the place counts alike,
+    /// Finds the light that reaches a place on a surface: on the side that was hit, by ways that are the same for all waves if no band is asked
+    /// for, or by those that are not, for the waves of a band, within the reach for that place. Light within `least` of the place counts alike,
     /// as far as that matters. What is found is added to `found`; returned are the products of spectra that it refers to.
-    fn arriving(&self, hit: &Hit, least: f32, band: Option<(Band, Reach)>, found: &mut Arrived) -> Arc<Spectra>;
+    fn arriving(&self, hit: &Hit, least: f32, asked: Option<(Band, Reach)>, found: &mut Arrived) -> Arc<Spectra>;
 
     /// From how far light counts for a place that reaches it by ways that depend on the wavelength; `None` if none does.
-    /// What may be used again for bands is left in `found`.
     fn reach(&self, hit: &Hit, least: f32, found: &mut Arrived) -> Option<Reach>;
+
+    /// Finds the light that reaches a place by ways that depend on the wavelength, at all wavelengths; `None` if that must be asked for by bands.
+    /// What was found before is forgotten; returned are the products of spectra that it refers to.
+    fn passing(&self, hit: &Hit, reach: Reach, found: &mut Arrived) -> Option<Arc<Spectra>>;
 }
 
 /// From how far light counts for a place.
@@ -31,12 +39,12 @@ pub(crate) trait Caustics: Sync {
 pub(crate) struct Reach {
     /// In scene units.
     pub(crate) radius: f32,
+    /// About how much light there is at all wavelengths together, as luminous flux on a square scene unit.
+    pub(crate) value: f64,
     /// The bias that comes of it, relative to the light.
     pub(crate) bias: f64,
-    /// How far photons move at most from where they were found, in scene units, if all that may count are known.
-    pub(crate) farthest: Option<f32>,
-    /// Whether none moves so far that it matters.
-    pub(crate) is_still: bool,
+    /// The part of the error that a photon has, relative to its light: see [`Arriving::error`].
+    pub(crate) error: f64,
 }
 
 /// What was found at a place, with memory to find it.
@@ -44,12 +52,14 @@ pub(crate) struct Reach {
 pub(crate) struct Arrived {
     pub(crate) list: Vec<Arriving>,
     pub(crate) scratch: Estimate,
-    /// Photons that may count at some wavelength, by their numbers.
-    pub(crate) candidates: Vec<u32>,
-    pub(crate) near: Vec<Near>,
+    /// Light that passes the place as the wavelength changes, and its irradiances, at wavelengths evenly spaced by 1/λ² over the visible ones, by so
+    /// many steps.
+    pub(crate) passing: Vec<Passing>,
+    pub(crate) irradiances: Vec<f32>,
+    pub(crate) steps: u16,
+    /// Photons that may pass, and how fast they are.
+    pub(crate) candidates: Vec<Moving>,
     pub(crate) distances: Vec<f32>,
-    /// Where candidates are, and their fluxes.
-    pub(crate) moved: Vec<(Near, f32)>,
 }
 
 /// Light that reaches a surface from one direction.
@@ -65,38 +75,168 @@ pub(crate) struct Arriving {
     pub(crate) spectrum: u32,
 }
 
+/// Light that reaches a surface from one direction at some wavelengths.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Passing {
+    /// The unit vector to where it comes from.
+    pub(crate) direction: DVec3,
+    /// The product of spectra that it is multiplied by.
+    pub(crate) spectrum: u32,
+    /// The first of the wavelengths, and the irradiances for a spectrum of 1 from there on, as a part of [`Arrived::irradiances`].
+    pub(crate) first: u16,
+    pub(crate) irradiances: Range<usize>,
+}
+
 /// Light at a surface whose way there depends on the wavelength.
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug)]
 pub(super) struct Dispersed {
     hit: Hit,
     /// The direction in which the surface is looked at.
     direction: DVec3,
     path: Path,
     reach: Reach,
-    candidates: Arc<[u32]>,
 }
 
-/// The same where no photon moves: what the surface reflects at two wavelengths, between which it changes in proportion to 1/λ².
+/// The same where it is known at all wavelengths: what the surface reflects, between neighbouring ones of which it changes in proportion to 1/λ².
+#[derive(Clone, Debug, Default)]
+pub(super) struct Curve {
+    /// How many steps there are between the first and the last visible wavelength.
+    steps: u16,
+    monomials: Vec<Monomial>,
+    /// For each product a weight at each wavelength, one after the other.
+    weights: Vec<f64>,
+}
+
+/// Sums of light at a wavelength, of each of a surface's two spectra, and the squares of its parts.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Node {
+    sums: [f64; 2],
+    squares: [f64; 2],
+}
+
+/// A place whose light is known, and what it was multiplied by.
 #[derive(Clone, Debug)]
-pub(super) struct Still {
-    ends: [Radiance; 2],
+pub(super) struct Known {
+    number: u32,
+    hit: Hit,
+    reach: Reach,
+    weight: f64,
+    /// Its errors.
+    noise: Radiance,
 }
 
-/// These wavelengths, in nm.
-const ENDS: [f64; 2] = [450.0, 620.0];
+/// How near places are, relative to the radii of their estimates, that have most photons in common: of discs whose centres are half a
+/// radius apart two thirds are in both.
+const SHARED: f32 = 0.5;
 
-impl Still {
-    /// The light at a wavelength in nm.
-    pub(super) fn at(&self, wavelength: f64) -> Radiance {
-        let [first, last, own] = [ENDS[0], ENDS[1], wavelength].map(|w| 1.0 / (w * w));
-        let share = (own - last) / (first - last);
+/// In how many steps light may change that places share: where photons are faster, a place beside has another colour.
+const MOST_SHARED: u16 = 4;
+
+/// What paths change with, about in proportion: Cauchy's index does.
+fn measure(wavelength: f64) -> f64 {
+    1.0 / (wavelength * wavelength)
+}
+
+/// Where a wavelength is between the first (0) and the last (1), by that.
+fn between(wavelength: f64) -> f64 {
+    let [first, last] = [FIRST_WAVELENGTH, LAST_WAVELENGTH].map(measure);
+    (measure(wavelength) - first) / (last - first)
+}
+
+/// The wavelength in nm at such a place.
+fn wavelength_at(place: f64) -> f64 {
+    let [first, last] = [FIRST_WAVELENGTH, LAST_WAVELENGTH].map(measure);
+    (first + (last - first) * place).sqrt().recip()
+}
+
+/// The eye's sensitivity x̄ + ȳ + z̄ at whole nm from the first visible wavelength on, and the integrals up to there of it and of it times the place
+/// of the wavelength.
+struct Sensitivity(Vec<(f64, [f64; 2])>);
+
+static SENSITIVITY: LazyLock<Sensitivity> = LazyLock::new(|| {
+    let observer = Observer::cie_1931_2deg();
+    let at = |wavelength: f64| observer.value(wavelength).iter().sum::<f64>();
+    let (mut steps, mut wavelength) = (vec![(at(FIRST_WAVELENGTH), [0.0; 2])], FIRST_WAVELENGTH);
+    while wavelength < LAST_WAVELENGTH {
+        let (before, sums) = steps.last().copied().unwrap_or_default();
+        let here = at(wavelength + 1.0);
+        let more = Sensitivity::part([(before, wavelength), (here, wavelength + 1.0)]);
+        steps.push((here, [0, 1].map(|k| sums[k] + more[k])));
+        wavelength += 1.0;
+    }
+    Sensitivity(steps)
+});
+
+impl Sensitivity {
+    /// Both integrals between two sensitivities and their wavelengths in nm, by Simpson's rule.
+    fn part([(a, from), (b, to)]: [(f64, f64); 2]) -> [f64; 2] {
+        let (width, middle) = (to - from, f64::midpoint(from, to));
+        let moment = a * between(from) + 2.0 * (a + b) * between(middle) + b * between(to);
+        [width * f64::midpoint(a, b), width * moment / 6.0]
+    }
+
+    /// Both integrals up to a wavelength in nm.
+    fn up_to(&self, wavelength: f64) -> [f64; 2] {
+        let place = (wavelength.min(LAST_WAVELENGTH) - FIRST_WAVELENGTH).max(0.0);
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a visible wavelength")]
+        let step = (place as usize).min(self.0.len().saturating_sub(2));
+        let Some(&[(a, sums), (b, _)]) = self.0.get(step..step + 2) else { return [0.0; 2] };
+        #[allow(clippy::cast_precision_loss, reason = "400 at most")]
+        let before = step as f64;
+        let here = (a + (b - a) * (place - before), FIRST_WAVELENGTH + place);
+        let more = Self::part([(a, FIRST_WAVELENGTH + before), here]);
+        [0, 1].map(|k| sums[k] + more[k])
+    }
+}
+
+impl Curve {
+    /// The light of a band: the mean over its waves, by the eye's sensitivity x̄ + ȳ + z̄; that of a single wavelength if there are no others.
+    pub(super) fn over(&self, band: Band) -> Radiance {
+        let shares = self.shares(band);
         let mut light = Radiance::default();
-        for (end, share) in self.ends.iter().zip([share, 1.0 - share]) {
-            for (monomial, weight) in end.terms() {
-                light.add(*monomial, share * weight);
-            }
+        for (monomial, weights) in self.terms() {
+            let of = |(step, [first, last]): &(usize, [f64; 2])| first * weights[*step] + last * weights[step + 1];
+            light.add(monomial, shares.iter().map(of).sum());
         }
         light
+    }
+
+    /// What a band has of the steps that it goes over: what the light at either end of each counts for.
+    fn shares(&self, band: Band) -> Vec<(usize, [f64; 2])> {
+        let steps = f64::from(self.steps);
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "the number of a step")]
+        let step_at = |place: f64| ((place * steps).max(0.0) as usize).min(usize::from(self.steps) - 1);
+        let [from, to] = band.limits;
+        let [before, after] = [from, to].map(|limit| SENSITIVITY.up_to(limit));
+        let total = after[0] - before[0];
+        #[allow(clippy::cast_precision_loss, reason = "the number of a step")]
+        let number = |step: usize| step as f64;
+        if !(to > from && total > 0.0) {
+            let place = between(band.wavelength);
+            let step = step_at(place);
+            let t = place * steps - number(step);
+            return vec![(step, [1.0 - t, t])];
+        }
+        let [first, last] = [from, to].map(|limit| step_at(between(limit)));
+        let mut known = before;
+        let share = |step: usize| {
+            let end = if step == last { after } else { SENSITIVITY.up_to(wavelength_at(number(step + 1) / steps)) };
+            let [sum, moment] = [0, 1].map(|k| (end[k] - known[k]) / total);
+            known = end;
+            let of_last = moment * steps - sum * number(step);
+            (step, [sum - of_last, of_last])
+        };
+        (first..=last).map(share).collect()
+    }
+
+    /// How many steps there are between the first and the last visible wavelength.
+    pub(super) const fn steps(&self) -> u16 {
+        self.steps
+    }
+
+    /// The products with their weights at the ends of all steps.
+    pub(super) fn terms(&self) -> impl Iterator<Item = (Monomial, &[f64])> {
+        self.monomials.iter().copied().zip(self.weights.chunks(usize::from(self.steps) + 1))
     }
 }
 
@@ -152,35 +292,119 @@ impl<'s> Worker<'s> {
     /// Adds what a surface reflects of light that comes by way of mirrors and glass; what depends on the wavelength is deferred.
     pub(super) fn caustic(&mut self, hit: &Hit, direction: DVec3, path: Path, radiance: &mut Radiance) {
         let Some(caustics) = self.caustics else { return };
+        // Light between surfaces alone is wanted where nothing is kept.
+        if self.is_preparing && path.band.is_some() {
+            return;
+        }
         let noise = self.noise_share(path.band);
         self.arriving(hit, direction, (path, noise), None, radiance);
         let least = self.least(path);
         let Some(reach) = caustics.reach(hit, least, &mut self.arriving) else { return };
-        if let Some(band) = path.band {
-            self.arriving(hit, direction, (path, noise), Some((band, reach)), radiance);
+        if path.band.is_none() && self.shared(hit, path, reach, radiance) {
             return;
         }
-        let later = if reach.is_still {
-            Later::Still(self.still(hit, direction, path, reach))
-        } else {
-            let candidates = self.arriving.candidates.as_slice().into();
-            Later::Dispersed(Dispersed { hit: *hit, direction, path, reach, candidates })
+        let place = Dispersed { hit: *hit, direction, path, reach };
+        let Some(spectra) = caustics.passing(hit, reach, &mut self.arriving) else {
+            return self.by_bands(place, radiance);
         };
+        if self.arriving.passing.is_empty() {
+            return;
+        }
+        let (curve, errors) = self.curve(&place, &spectra, noise);
+        if let Some(band) = path.band {
+            return self.add_product(&curve.over(band), Path { weight: 1.0, ..path }, radiance);
+        }
         let number = u32::try_from(self.deferred.len()).unwrap_or(u32::MAX);
-        self.deferred.push(later);
+        if curve.steps <= MOST_SHARED {
+            self.curves.push(Known { number, hit: *hit, reach, weight: path.weight, noise: errors });
+        }
+        self.deferred.push(Later::Curve(Arc::new(curve)));
         radiance.defer(Deferred(number), path.monomial, 1.0);
     }
 
-    /// The light of a place whose photons have just been found.
-    fn still(&mut self, hit: &Hit, direction: DVec3, path: Path, reach: Reach) -> Still {
+    /// Adds the light of a place that must be asked for by bands.
+    fn by_bands(&mut self, place: Dispersed, radiance: &mut Radiance) {
+        let path = place.path;
+        if let Some(band) = path.band {
+            let light = self.dispersed(&place, band);
+            return self.add_product(&light, Path { weight: 1.0, ..path }, radiance);
+        }
+        let number = u32::try_from(self.deferred.len()).unwrap_or(u32::MAX);
+        self.deferred.push(Later::Dispersed(Arc::new(place)));
+        radiance.defer(Deferred(number), path.monomial, 1.0);
+    }
+
+    /// Adds the light of a place that is so near to one whose light is known that most of it is of the same photons: how it changes with the
+    /// wavelength is taken from there, how much there is from the place itself.
+    fn shared(&mut self, hit: &Hit, path: Path, reach: Reach, radiance: &mut Radiance) -> bool {
+        if !matches!(self.scene.material(hit), Some(Material::Diffuse(_))) {
+            return false;
+        }
+        let is_near = |known: &&Known| {
+            let radii = [known.reach.radius, reach.radius];
+            let distance = known.hit.position.distance(hit.position);
+            known.hit.shape == hit.shape
+                && known.hit.front == hit.front
+                && known.hit.geometric_normal.dot(hit.geometric_normal) >= LEAST_COSINE
+                && known.reach.value > 0.0
+                && distance <= SHARED * radii[0].min(radii[1])
+        };
+        let Some(known) = self.curves.iter().find(is_near) else { return false };
+        let scale = reach.value / known.reach.value * (path.weight / known.weight);
+        for (monomial, error) in known.noise.terms() {
+            self.noise.add(*monomial, scale * error);
+        }
+        radiance.defer(Deferred(known.number), path.monomial, scale);
+        true
+    }
+
+    /// The light of a place whose passing photons have just been found, and its errors, of which a share is counted.
+    fn curve(&mut self, place: &Dispersed, spectra: &Spectra, share: f64) -> (Curve, Radiance) {
+        let Dispersed { hit, direction, path, reach } = *place;
+        let (mut curve, mut noise) = (Curve { steps: self.arriving.steps, ..Curve::default() }, Radiance::default());
+        let Some(response) = self.response(&hit, direction) else { return (curve, noise) };
+        let nodes = usize::from(curve.steps) + 1;
+        self.numbers.clear();
+        self.nodes.clear();
+        for Passing { direction, spectrum, first, irradiances } in &self.arriving.passing {
+            let slot = self.numbers.iter().position(|known| known == spectrum).unwrap_or_else(|| {
+                self.numbers.push(*spectrum);
+                self.nodes.resize(self.numbers.len() * nodes, Node::default());
+                self.numbers.len() - 1
+            });
+            let shares = response.towards(*direction);
+            let own = self.nodes.iter_mut().skip(slot * nodes + usize::from(*first));
+            for (node, irradiance) in own.zip(&self.arriving.irradiances[irradiances.clone()]) {
+                for ((sum, square), share) in node.sums.iter_mut().zip(&mut node.squares).zip(shares) {
+                    let light = share * f64::from(*irradiance);
+                    *sum += light;
+                    *square += light * light;
+                }
+            }
+        }
         let unit = Path { monomial: Monomial::default(), ..path };
-        let ends = ENDS.map(|wavelength| {
-            let mut light = Radiance::default();
-            // The errors of both are those of the same photons.
-            self.arriving(hit, direction, (unit, 0.5), Some((Band::single(wavelength), reach)), &mut light);
-            light
-        });
-        Still { ends }
+        #[allow(clippy::cast_precision_loss, reason = "at most some hundred")]
+        let share = share * reach.error / nodes as f64;
+        for slot in 0..self.numbers.len() {
+            let spectrum = self.numbers[slot];
+            for (which, factor) in response.factors().into_iter().enumerate() {
+                let sums = slot * nodes..(slot + 1) * nodes;
+                if self.nodes[sums.clone()].iter().all(|node| node.sums[which] == 0.0) {
+                    continue;
+                }
+                let through = factor.map_or(unit, |factor| self.times(unit, factor));
+                let leaves = spectra.leaves(spectrum).iter();
+                let monomial = leaves.fold(through.monomial, |m, leaf| self.monomials.times_leaf(m, *leaf));
+                curve.monomials.push(monomial);
+                curve.weights.extend(self.nodes[sums.clone()].iter().map(|node| through.weight * node.sums[which]));
+                let error: f64 = self.nodes[sums].iter().map(|node| node.squares[which].sqrt()).sum();
+                noise.add(monomial, share * through.weight * error);
+            }
+        }
+        for (monomial, error) in noise.terms() {
+            self.noise.add(*monomial, *error);
+        }
+        (curve, noise)
     }
 
     /// Half of a pixel's width where a path is, if nothing magnifies: smaller details are not asked for.
@@ -194,8 +418,6 @@ impl<'s> Worker<'s> {
         let mut light = Radiance::default();
         let path = Path { monomial: Monomial::default(), ..place.path };
         let noise = self.noise_share(Some(band));
-        self.arriving.candidates.clear();
-        self.arriving.candidates.extend_from_slice(&place.candidates);
         self.arriving(&place.hit, place.direction, (path, noise), Some((band, place.reach)), &mut light);
         light
     }
@@ -206,13 +428,13 @@ impl<'s> Worker<'s> {
         hit: &Hit,
         direction: DVec3,
         (path, noise): (Path, f64),
-        band: Option<(Band, Reach)>,
+        asked: Option<(Band, Reach)>,
         radiance: &mut Radiance,
     ) {
         let Some(caustics) = self.caustics else { return };
         let mut found = core::mem::take(&mut self.arriving);
         found.list.clear();
-        let spectra = caustics.arriving(hit, self.least(path), band, &mut found);
+        let spectra = caustics.arriving(hit, self.least(path), asked, &mut found);
         if let (false, Some(response)) = (found.list.is_empty(), self.response(hit, direction)) {
             self.reflected((&found.list, &spectra), &response, (path, noise), radiance);
         }
@@ -285,6 +507,57 @@ impl<'s> Worker<'s> {
                 (view[2] > 0.0).then_some(Response::Layered { frame, view, base, lobe, specular })
             }
             _ => None,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use spectral_core::Observer;
+
+    use super::{Curve, between, measure, wavelength_at};
+    use crate::spectral::{Band, Monomial};
+
+    /// A curve through the light at nodes, of which there is one more than steps.
+    fn curve(steps: u16, light: impl Fn(f64) -> f64) -> Curve {
+        let at = |step: u16| wavelength_at(f64::from(step) / f64::from(steps));
+        let weights = (0..=steps).map(|step| light(at(step))).collect();
+        Curve { steps, monomials: vec![Monomial::default()], weights }
+    }
+
+    fn of(curve: &Curve, band: Band) -> f64 {
+        curve.over(band).terms().iter().map(|(_, weight)| weight).sum()
+    }
+
+    /// Light at a single wavelength is found exactly where it is a line in 1/λ²; over a band it is the mean by x̄ + ȳ + z̄.
+    #[test]
+    fn bands_have_their_mean() {
+        let light = |wavelength: f64| 2.0 + 3e5 * measure(wavelength);
+        let tent = |wavelength: f64| (1.0 - 9.0 * (between(wavelength) - 4.0 / 9.0).abs()).max(0.0);
+        for steps in [1, 2, 7, 9, 128] {
+            let (line, hat) = (curve(steps, light), curve(steps, tent));
+            for wavelength in [380.0, 381.0, 450.0, 500.0, 550.0, 700.0, 779.0, 780.0] {
+                let found = of(&line, Band::single(wavelength));
+                assert!((found - light(wavelength)).abs() <= 1e-12, "{steps} {wavelength}: {found}");
+                for half in [0.2, 3.0, 20.0, 100.0] {
+                    let limits = [wavelength - half, wavelength + half].map(|limit| limit.clamp(380.0, 780.0));
+                    let band = Band { wavelength, limits };
+                    let mean = |curve: &Curve| {
+                        let (mut sum, mut total) = (0.0, 0.0);
+                        for step in 0..4000_u32 {
+                            let at = limits[0] + (limits[1] - limits[0]) * (f64::from(step) + 0.5) / 4000.0;
+                            let sensitivity: f64 = Observer::<f64>::cie_1931_2deg().value(at).iter().sum();
+                            sum += sensitivity * of(curve, Band::single(at));
+                            total += sensitivity;
+                        }
+                        sum / total
+                    };
+                    for (curve, tolerance) in [(&line, 1e-4), (&hat, 4e-3)] {
+                        let (found, mean) = (of(curve, band), mean(curve));
+                        assert!((found - mean).abs() <= tolerance, "{steps} {limits:?}: {found} {mean}");
+                    }
+                }
+            }
         }
     }
 }

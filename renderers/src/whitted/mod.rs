@@ -21,18 +21,22 @@ mod error;
 mod glossy;
 mod refraction;
 mod schlick;
+mod seen;
 
 pub(crate) use build::camera;
-pub(crate) use caustic::{Arrived, Arriving, Caustics, Reach};
+pub(crate) use caustic::{Arrived, Arriving, Caustics, Passing, Reach};
+
+use alloc::sync::Arc;
 
 use glam::DVec3;
 use spectral_core::brdf::Schlick;
 
-use self::caustic::{Dispersed, Still};
+use self::caustic::{Curve, Dispersed, Known, Node};
 pub use self::error::RenderError;
 pub use self::glossy::GlossyLight;
 use self::refraction::Interface;
 pub(crate) use self::refraction::boundary;
+use self::seen::{Followed, Neighbour, Place};
 use crate::direct::{Blockers, Cells, Cover, KnownCells, Light, Part, Receiver, Scratch, Source, Surroundings, single};
 use crate::frame::{Frame, Parametrisation};
 use crate::geometry::sampling::SobolSequence;
@@ -172,12 +176,24 @@ pub struct Worker<'s> {
     /// Light that was found at a place; its sums by products of spectra, and the squares of their standard errors.
     arriving: Arrived,
     sums: Vec<(u32, [f64; 2], [f64; 2])>,
+    /// Sums of light that passes as the wavelength changes: for each of these products of spectra some, one for each wavelength.
+    numbers: Vec<u32>,
+    nodes: Vec<Node>,
     /// The standard errors of the pixel's light by way of mirrors and glass, and the share of all waves that the bands have in which they
     /// are counted.
     noise: Radiance,
     noise_counted: Option<f64>,
-    /// Whether only light between surfaces is wanted.
-    is_gathering: bool,
+    /// Places where it is known how their light changes with the wavelength.
+    curves: Vec<Known>,
+    /// The deferred light that is being followed, and places that were seen by way of it.
+    followed: Option<Followed>,
+    places: Vec<Place>,
+    /// Deferred light with the light between surfaces that it has.
+    prepared: Vec<(usize, Radiance)>,
+    /// Whether deferred light is followed for the first time: light between surfaces is wanted then.
+    is_preparing: bool,
+    /// Where rays of a neighbouring pixel come to, while they are followed.
+    beside: Option<Vec<Neighbour>>,
     known: KnownCells,
     scratch: Scratch,
     points: SobolSequence,
@@ -189,11 +205,11 @@ pub struct Worker<'s> {
 #[derive(Clone, Debug)]
 enum Later {
     /// Where a path met a boundary.
-    Boundary(Interface),
+    Boundary(Arc<Interface>),
     /// Where light comes to a surface.
-    Dispersed(Dispersed),
-    /// Where it comes to the same place at all wavelengths.
-    Still(Still),
+    Dispersed(Arc<Dispersed>),
+    /// The same where it is known how it changes.
+    Curve(Arc<Curve>),
 }
 
 /// Where a path is: what its light is multiplied by, and how it was deferred.
@@ -216,6 +232,8 @@ struct Path {
     interior: Option<u32>,
     /// Its length from the eye.
     length: f64,
+    /// Its reflections and refractions since it depends on the wavelength.
+    branch: u32,
 }
 
 impl<'s> Worker<'s> {
@@ -231,9 +249,16 @@ impl<'s> Worker<'s> {
             deferred: Vec::new(),
             arriving: Arrived::default(),
             sums: Vec::new(),
+            numbers: Vec::new(),
+            nodes: Vec::new(),
             noise: Radiance::default(),
             noise_counted: None,
-            is_gathering: false,
+            curves: Vec::new(),
+            followed: None,
+            places: Vec::new(),
+            prepared: Vec::new(),
+            is_preparing: false,
+            beside: None,
             known: KnownCells::default(),
             scratch: Scratch::default(),
             points: SobolSequence::new(0),
@@ -271,15 +296,21 @@ impl<'s> Worker<'s> {
     /// Forgets all products: numbers of monomials that were given out before mean nothing any more.
     pub fn forget(&mut self) {
         self.monomials = Monomials::new(self.order);
+        self.forget_deferred();
+    }
+
+    fn forget_deferred(&mut self) {
         self.deferred.clear();
+        self.curves.clear();
+        self.places.clear();
+        self.prepared.clear();
         self.rows.clear();
     }
 
     /// Forgets the deferred and the gathered light of the last pixel, and takes the next one's random numbers from these points, whose
     /// first two dimensions are the film's.
     pub fn start_pixel(&mut self, points: SobolSequence) {
-        self.deferred.clear();
-        self.rows.clear();
+        self.forget_deferred();
         self.noise = Radiance::default();
         self.noise_counted = None;
         self.points = points;
@@ -306,6 +337,7 @@ impl<'s> Worker<'s> {
             band: None,
             interior: None,
             length: 0.0,
+            branch: seen::ROOT,
         };
         self.samples = self.samples.wrapping_add(1);
         self.gather(&ray, path, radiance);
@@ -344,6 +376,24 @@ impl<'s> Worker<'s> {
 
     /// Adds what a surface that was hit along a direction reflects and lets through.
     fn shade(&mut self, hit: &Hit, direction: DVec3, path: Path, radiance: &mut Radiance) {
+        let scene = self.scene;
+        let Some(Surface { material, .. }) = scene.surfaces.get(hit.shape as usize) else { return };
+        let material = material.side(hit.front);
+        if let Some(beside) = &mut self.beside {
+            match material {
+                Some(Material::Mirror(_) | Material::Dielectric(_)) => {}
+                Some(Material::Diffuse(_)) => return beside.push(Neighbour::new(path.branch, *hit)),
+                _ => return,
+            }
+        }
+        if let (Some(Material::Diffuse(_)), Some(band), false) = (material, path.band, path.scattered) {
+            return self.seen(hit, direction, (path, band), radiance);
+        }
+        self.scatter(hit, direction, path, radiance);
+    }
+
+    /// The same, not what was seen before.
+    fn scatter(&mut self, hit: &Hit, direction: DVec3, path: Path, radiance: &mut Radiance) {
         let scene = self.scene;
         let Some(Surface { material, .. }) = scene.surfaces.get(hit.shape as usize) else { return };
         match material.side(hit.front) {
@@ -392,7 +442,7 @@ impl<'s> Worker<'s> {
     /// Calls `receive` for each visible part of the light with this number.
     fn illuminate(&mut self, number: usize, receiver: &Receiver, least: u32, receive: impl FnMut(Part)) {
         let Whitted { world, blockers, cells, lights, .. } = self.scene;
-        if self.is_gathering || matches!(self.between, Between::Noted(_)) {
+        if matches!(self.between, Between::Noted(_)) {
             return;
         }
         let Some(light) = lights.get(number) else { return };
@@ -424,7 +474,7 @@ impl<'s> Worker<'s> {
             Between::Noted(hits) => hits.push(*hit),
             Between::Asked(indirect) => {
                 // What is between surfaces is gathered along one path for all waves.
-                if reflected.weight == 0.0 || (reflected.band.is_some() && !self.is_gathering) {
+                if reflected.weight == 0.0 || (reflected.band.is_some() && !self.is_preparing) {
                     return;
                 }
                 let (start, width) = (self.rows.len(), indirect.width());
@@ -560,13 +610,30 @@ impl Tracer for Worker<'_> {
         self.expand(deferred.0 as usize, band)
     }
 
+    fn lines(
+        &mut self,
+        deferred: Deferred,
+        (by, weight): (Monomial, f64),
+        steps: &[u16],
+        add: &mut dyn FnMut(Monomial, &[f64]),
+    ) -> bool {
+        let Some(Later::Curve(curve)) = self.deferred.get(deferred.0 as usize) else { return false };
+        let is_known = steps.contains(&curve.steps());
+        let mut scaled = Vec::new();
+        for (monomial, weights) in curve.terms().filter(|_| is_known) {
+            scaled.clear();
+            scaled.extend(weights.iter().map(|w| weight * w));
+            add(self.monomials.product(by, monomial), &scaled);
+        }
+        is_known
+    }
+
     fn trace_gathered(&mut self, deferred: Deferred) -> Radiance {
-        let caustics = self.caustics.take();
-        self.is_gathering = true;
-        let light = self.expand(deferred.0 as usize, Band::single(MEAN_WAVELENGTH));
-        self.is_gathering = false;
-        self.caustics = caustics;
-        light
+        let number = deferred.0 as usize;
+        if let Some(Later::Boundary(interface)) = self.deferred.get(number).cloned() {
+            self.prepare(number, &interface, Band::single(MEAN_WAVELENGTH));
+        }
+        self.gathered(number)
     }
 
     fn row(&self, gathered: Gathered) -> &[f64] {

@@ -1,23 +1,26 @@
 //! Light at smooth boundaries of transparent media, and what becomes of it where the index depends on the wavelength.
 
+use alloc::sync::Arc;
+
 use glam::DVec3;
 use spectral_core::fresnel;
 
+use super::seen::{Followed, ROOT, branch};
 use super::{Later, Path, Surface, Worker, mirror_ray, receiver};
 use crate::direct::single;
 use crate::geometry::Hit;
 use crate::material::{Dielectric, Material};
-use crate::spectral::{Band, Deferred, Monomial, Radiance};
+use crate::spectral::{Band, Deferred, MEAN_WAVELENGTH, Monomial, Radiance};
 
 /// Where light met a boundary between media with a wavelength-dependent index.
 #[derive(Clone, Debug)]
 pub(super) struct Interface {
-    hit: Hit,
-    direction: DVec3,
+    pub(super) hit: Hit,
+    pub(super) direction: DVec3,
     /// The light mirrored there, which is wavelength-free but for its share.
-    reflected: Radiance,
+    pub(super) reflected: Radiance,
     /// The path that came there.
-    path: Path,
+    pub(super) path: Path,
 }
 
 impl Path {
@@ -43,16 +46,18 @@ impl Worker<'_> {
             self.follow(&mirror_ray(&hit, direction), by, path.interior_before(&hit), &mut reflected);
             let interface = Interface { hit, direction, reflected, path };
             let number = u32::try_from(self.deferred.len()).unwrap_or(u32::MAX);
-            self.deferred.push(Later::Boundary(interface));
+            self.deferred.push(Later::Boundary(Arc::new(interface)));
             // The interface's own light already counts for the path's weight.
             radiance.defer(Deferred(number), path.monomial, 1.0);
             return;
         }
         let (share, refracted) = boundary(dielectric, &hit, direction, path.band.map_or(0.0, |band| band.wavelength));
-        let mirrored = self.times(Path { weight: path.weight * share, ..path }, dielectric.reflectance);
+        let reflected = Path { weight: path.weight * share, branch: branch(path.branch, 0), ..path };
+        let mirrored = self.times(reflected, dielectric.reflectance);
         self.follow(&mirror_ray(&hit, direction), mirrored, path.interior_before(&hit), radiance);
         if let Some(onward) = refracted {
-            self.refract(&hit, onward, Path { weight: path.weight * (1.0 - share), ..path }, dielectric, radiance);
+            let refracted = Path { weight: path.weight * (1.0 - share), branch: branch(path.branch, 1), ..path };
+            self.refract(&hit, onward, refracted, dielectric, radiance);
         }
     }
 
@@ -67,14 +72,18 @@ impl Worker<'_> {
     /// Deferred light for some waves: nothing in it is deferred.
     pub(super) fn expand(&mut self, number: usize, band: Band) -> Radiance {
         match self.deferred.get(number).cloned() {
-            None => Radiance::default(),
-            Some(Later::Boundary(interface)) => self.expand_boundary(&interface, band),
-            Some(Later::Dispersed(place)) => self.dispersed(&place, band),
-            Some(Later::Still(light)) => light.at(band.wavelength),
+            Some(Later::Boundary(interface)) => {
+                self.prepare(number, &interface, Band::single(MEAN_WAVELENGTH));
+                self.expand_boundary(number, &interface, band)
+            }
+            // Nothing in these is gathered.
+            Some(Later::Dispersed(place)) if !self.is_preparing => self.dispersed(&place, band),
+            Some(Later::Curve(light)) if !self.is_preparing => light.over(band),
+            _ => Radiance::default(),
         }
     }
 
-    fn expand_boundary(&mut self, interface: &Interface, band: Band) -> Radiance {
+    pub(super) fn expand_boundary(&mut self, number: usize, interface: &Interface, band: Band) -> Radiance {
         let mut light = Radiance::default();
         let scene = self.scene;
         let Some(Surface { material: Material::Dielectric(dielectric), .. }) =
@@ -83,32 +92,20 @@ impl Worker<'_> {
             return light;
         };
         let (share, refracted) = boundary(dielectric, &interface.hit, interface.direction, band.wavelength);
-        for (monomial, weight) in interface.reflected.terms() {
-            light.add(*monomial, share * weight);
-        }
-        for (gathered, monomial, weight) in interface.reflected.gathered() {
-            light.gather(*gathered, *monomial, share * weight);
-        }
-        for (nested, monomial, weight) in interface.reflected.deferred() {
-            let inner = self.expand(nested.0 as usize, band);
-            for (gathered, factor, inner_weight) in inner.gathered() {
-                let product = self.monomials.product(*monomial, *factor);
-                light.gather(*gathered, product, share * weight * inner_weight);
-            }
-            for (factor, inner_weight) in inner.terms() {
-                let product = self.monomials.product(*monomial, *factor);
-                light.add(product, share * weight * inner_weight);
-            }
-        }
+        let mirrored = Path { monomial: Monomial::default(), weight: share, ..interface.path };
+        self.add_for(band, &interface.reflected, mirrored, &mut light);
         if let Some(onward) = refracted {
             let path = Path {
                 monomial: Monomial::default(),
                 weight: interface.path.weight * (1.0 - share),
                 band: Some(band),
                 interior: None,
+                branch: ROOT,
                 ..interface.path
             };
+            let before = self.followed.replace(Followed { number, weight: interface.path.weight });
             self.refract(&interface.hit, onward, path, dielectric, &mut light);
+            self.followed = before;
         }
         light
     }
