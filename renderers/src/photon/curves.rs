@@ -139,6 +139,14 @@ impl Curves {
         self.stretches.get(stretch as usize).map_or([0.0; 2], |s| s.limits.map(|limit| self.between(limit)))
     }
 
+    /// In how many even steps by 1/λ² there is one between any two keys, which are where these steps are.
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "at most 2 to the number of halvings")]
+    pub(crate) fn steps(&self) -> u16 {
+        let width = |number: u32| self.limits_of(number).into_iter().fold(0.0, |from, to| to - from);
+        let narrowest = (0..).take(self.stretches.len()).map(width).fold(1.0, f64::min);
+        (1.0 / narrowest).round().clamp(1.0, f64::from(1_u16 << HALVINGS)) as u16
+    }
+
     /// Where a wavelength is between the first and the last key, from 0 to 1.
     pub(crate) fn between(&self, wavelength: f64) -> f64 {
         match self.stretches.as_slice() {
@@ -559,6 +567,10 @@ mod tests {
         assert!((5..17).contains(&found.len()) && found.windows(2).all(|pair| pair[0] < pair[1]), "{found:?}");
         let keyed: Vec<_> = found.iter().map(|w| (*w, throw(*w))).collect();
         let curves = Curves::new(&keyed);
+        let steps = f64::from(curves.steps());
+        assert!(found.iter().all(|key| {
+            (curves.between(*key) * steps).fract().min(1.0 - (curves.between(*key) * steps).fract()) <= 1e-9
+        }));
         for step in 0..60 {
             let wavelength = 400.0 + 5.0 * f64::from(step);
             let photons = curves.photons([wavelength; 2], |_| wavelength);
@@ -583,6 +595,7 @@ mod tests {
                 curves.others(own, longest, &mut rest);
                 photons.extend(rest.0);
                 motions.extend(rest.1);
+                assert!(keys.len() > 2 || curves.steps() == 1);
                 for wavelength in [400.0, 401.0, 480.0, 555.0, 600.0, 699.0, 700.0] {
                     #[allow(clippy::cast_possible_truncation, reason = "as photons are")]
                     let to = curves.between(wavelength) as f32;

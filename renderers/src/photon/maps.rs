@@ -286,6 +286,8 @@ impl<'s> Maps<'s> {
         let radii = curves::of_nine_in_ten(distances) / reach.radius;
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "within limits")]
         let steps = ((STEPS * radii).ceil().clamp(1.0, f32::from(MOST_STEPS)) as u16).next_power_of_two();
+        // Fluxes change from key to key, too, where photons hardly move.
+        let steps = steps.max(self.curves.as_ref().map_or(1, |known| known.curves.steps()));
         found.steps = steps;
         let (kernel, scale) = (self.density.kernel, self.density.scale_within(place, reach.radius));
         #[allow(clippy::cast_possible_truncation, reason = "numbers of this size")]
