@@ -29,10 +29,10 @@ pub(super) struct PhotonArguments {
     /// How an estimate chooses its radius; adaptive by default.
     #[arg(long, value_enum)]
     estimate: Option<Estimate>,
-    /// Where in a band of wavelengths its photons are thrown; continuous by default.
+    /// At which wavelengths photons that depend on them are thrown: continuous (the default), or at a single one for each band.
     #[arg(long, value_enum)]
     bundle: Option<Bundle>,
-    /// How photons are thrown for a band; interpolated by default.
+    /// How photons that depend on the wavelength are found at all wavelengths; interpolated by default.
     #[arg(long, value_enum)]
     rethrow: Option<Rethrow>,
     /// How often photons are thrown anew, each time with --spp camera rays and a smaller radius; 1 by default.
@@ -70,9 +70,9 @@ enum Bundle {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum Rethrow {
-    /// Between a few wavelengths at which all are traced.
+    /// By one search, between a few wavelengths at which all are traced.
     Interpolated,
-    /// Traced for every band.
+    /// Traced for every band that a pixel asks for.
     Traced,
 }
 
@@ -197,7 +197,7 @@ impl Summary {
     /// Photons by bands of wavelengths, and notes.
     pub(super) fn text(&self) -> String {
         let mut text = String::new();
-        if !self.report.bands.is_empty() {
+        if self.report.bands.len() > 1 {
             let mut table = Table::new(["nm", "photons"]);
             for band in &self.report.bands {
                 let [from, to] = band.limits;

@@ -1,4 +1,5 @@
-//! Photons that were thrown, and the maps of bands of wavelengths, each made once by whoever asks first.
+//! Photons that were thrown, with their ways where these are known at all wavelengths, and the maps of bands of wavelengths, each made once by
+//! whoever asks first.
 
 use alloc::sync::Arc;
 use core::sync::atomic::{AtomicBool, Ordering};
@@ -16,7 +17,7 @@ use crate::spectral::Band;
 pub struct BandReport {
     /// From where to where it goes, in nm.
     pub limits: [f64; 2],
-    /// How many photons its map has.
+    /// How many photons its map has; parts of the ways of photons that move are not counted.
     pub photons: usize,
     /// Bytes of the map.
     pub bytes: usize,

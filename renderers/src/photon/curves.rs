@@ -3,14 +3,15 @@
 //! Throwing every path again for every interval (Iehl–Péroche 2000, §5.1) costs as much as all photons, each time. But the place where a path
 //! lands is a smooth function of the wavelength as long as it takes the same reflections and refractions and meets the same shapes:
 //! between two wavelengths it is linear in 1/λ², as Cauchy's index is, to the second order. So paths are thrown at a few *keys*, and
-//! photons that correspond to each other at two neighbouring keys are interpolated; those that don't stay where they are, each up to the middle.
+//! photons that correspond to each other at two neighbouring keys are interpolated; those that don't stay where they are, each up to the middle. Between
+//! faces of one shape at an angle the straight line leaves the shape, and photons on it are not found.
 
 use core::cmp::Ordering;
 
 use super::{Photon, Scattered};
 
 /// The most parts that a way between two keys is cut into.
-const MOST_PARTS: f32 = 32.0;
+const MOST_PARTS: f32 = 8.0;
 
 /// Photons at wavelengths between keys.
 #[derive(Clone, Debug, Default)]
@@ -76,7 +77,7 @@ impl Curves {
     }
 
     /// The photons of all paths, each at a wavelength in nm of its own, and where they are from.
-    pub(crate) fn placed(&self, wavelength_of: impl Fn(u32) -> f64) -> (Vec<Photon>, Vec<From>) {
+    pub(crate) fn placed(&self, wavelength_of: impl Fn(u32) -> f64) -> (Vec<Photon>, Vec<Source>) {
         let mut placed = (Vec::new(), Vec::new());
         self.each(wavelength_of, |tween, from| {
             if let Some(from) = from {
@@ -89,7 +90,7 @@ impl Curves {
 
     /// How a photon moves about where it was placed, and the rest of its way between two keys: no part is longer than a distance in scene units, unless
     /// there would be more than [`MOST_PARTS`].
-    pub(crate) fn parts(&self, from: From, longest: f32, rest: &mut (Vec<Photon>, Vec<Motion>)) -> Motion {
+    pub(crate) fn parts(&self, from: Source, longest: f32, rest: &mut (Vec<Photon>, Vec<Motion>)) -> Motion {
         let limits = self.limits_of(from.stretch);
         let tween = self.stretches.get(from.stretch as usize).and_then(|s| s.photons.get(from.number as usize));
         let mut own = Motion::default();
@@ -124,12 +125,12 @@ impl Curves {
     }
 
     /// Calls with all ways between two keys, and where on it the photon is that is placed, if one is.
-    fn each(&self, wavelength_of: impl Fn(u32) -> f64, mut call: impl FnMut(&Tween, Option<From>)) {
+    fn each(&self, wavelength_of: impl Fn(u32) -> f64, mut call: impl FnMut(&Tween, Option<Source>)) {
         for (stretch, Stretch { photons, .. }) in (0..).zip(&self.stretches) {
             let limits = self.limits_of(stretch);
             for (number, tween) in (0..).zip(photons) {
                 let at = self.between(wavelength_of(tween.path));
-                call(tween, tween.holds(limits, at).then_some(From { stretch, number, at }));
+                call(tween, tween.holds(limits, at).then_some(Source { stretch, number, at }));
             }
         }
     }
@@ -164,7 +165,7 @@ impl Curves {
 
 /// Where a photon is from: one of those between two keys.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct From {
+pub(crate) struct Source {
     stretch: u32,
     number: u32,
     /// Where between the first and the last key it was placed.
@@ -303,7 +304,8 @@ impl Tween {
         let mut motion = Motion::default();
         if let Ends::Both([first, last]) = &self.ends {
             let way: [f32; 3] = core::array::from_fn(|i| last.position[i] - first.position[i]);
-            parts = (glam::Vec3A::from_array(way).length() / longest).ceil().clamp(1.0, MOST_PARTS) as u16;
+            let length = glam::Vec3A::from_array(way).length();
+            parts = if length > longest { (length / longest).ceil().min(MOST_PARTS) as u16 } else { 1 };
             motion.position = way.map(|x| x / width as f32);
             motion.flux = (last.flux - first.flux) / width as f32;
         }
@@ -576,6 +578,28 @@ mod tests {
             let photons = curves.photons([wavelength; 2], |_| wavelength);
             for (photon, exact) in photons.iter().zip(throw(wavelength)).filter(|(_, s)| s.path != 7) {
                 assert!((photon.position[0] - exact.photon.position[0]).abs() <= 0.1);
+            }
+        }
+    }
+
+    /// A photon that doesn't move is there at all wavelengths, also where parts may have no length.
+    #[test]
+    fn what_stays_is_not_lost() {
+        let throw = |wavelength: f64| thrown(wavelength, |_| 0.0);
+        let own = |_: u32| 450.0;
+        for keys in [&[400.0, 700.0][..], &[400.0, 480.0, 700.0]] {
+            let curves = Curves::new(&keys.iter().map(|w| (*w, throw(*w))).collect::<Vec<_>>());
+            let (photons, sources) = curves.placed(own);
+            let mut rest = (Vec::new(), Vec::new());
+            let mut motions: Vec<_> = sources.iter().map(|source| curves.parts(*source, 0.0, &mut rest)).collect();
+            curves.others(own, 0.0, &mut rest);
+            motions.extend(rest.1);
+            for node in 0..=8_u16 {
+                let is_there = |motion: &&crate::photon::curves::Motion| {
+                    let [first, end] = motion.past(&photons[0], glam::Vec3A::ZERO).nodes(8);
+                    (first..end).contains(&node)
+                };
+                assert_eq!(motions.iter().filter(is_there).count(), 100, "{keys:?} {node}");
             }
         }
     }

@@ -23,6 +23,9 @@ const THROWN: usize = 2048;
 const SAMPLE: u32 = 1024;
 const SAMPLING: u32 = u32::MAX - 2;
 
+/// Bytes that a path takes about whose way depends on the wavelength: the photons that it becomes, and the parts of their ways.
+const WAYS: f64 = 512.0;
+
 /// How photons are emitted and followed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Settings {
@@ -152,11 +155,11 @@ impl<'s> Emission<'s> {
         (0..spectra.len()).map(product).collect()
     }
 
-    /// About how many bytes it takes to emit so many photons, while their parts are put together; more than there are for absurd counts.
+    /// About how many bytes it takes to emit so many photons and to keep them, while their parts are put together; more than there are for absurd counts.
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "an estimate")]
     pub(crate) fn bytes_for(&self, count: u64) -> u64 {
         let [photons, prefixes] = self.yields;
-        let each = photons * length(size_of::<Photon>()) + prefixes * length(size_of::<Prefix>());
+        let each = photons * length(size_of::<Photon>()) + prefixes * (length(size_of::<Prefix>()) + WAYS);
         (2.0 * each * self::count(count)) as u64
     }
 

@@ -1,4 +1,5 @@
-//! The photon maps of a scene: one for light that all waves share, and one for each bundle of waves that is asked for.
+//! The photon maps of a scene: one for light that all waves share, one for all that depends on the wavelength, and, if asked for, one for each bundle
+//! of waves.
 
 use alloc::sync::Arc;
 
@@ -21,7 +22,7 @@ use spectral_core::interval::{FIRST_WAVELENGTH, LAST_WAVELENGTH};
 /// How photons that depend on the wavelength are thrown for a band.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Rethrow {
-    /// All are traced at a few wavelengths, the more the more they bend, and interpolated between these.
+    /// They are not: all are traced at a few wavelengths, the more the more they bend, and found at all others by one search.
     #[default]
     Interpolated,
     /// All are traced for every band, as Iehl and Péroche have it.
@@ -61,6 +62,8 @@ pub(crate) struct Maps<'s> {
 struct Interpolated {
     keys: Vec<f64>,
     curves: Curves,
+    /// In how many even steps there is one between any two keys.
+    steps: u16,
     spectra: Arc<Spectra>,
 }
 
@@ -139,6 +142,10 @@ impl<'s> Maps<'s> {
             let whole = maps.bands.get(WHOLE);
             whole.thrown(|band| maps.throw(band));
             maps.whole = Some(whole);
+            if !are_bands_asked && let Some(known) = &mut maps.curves {
+                // All is in the map.
+                known.curves = Curves::default();
+            }
         }
         maps
     }
@@ -204,7 +211,7 @@ impl<'s> Maps<'s> {
             (*wavelength, sorted(photons))
         };
         let curves = Curves::new(&keys.iter().map(&mut thrown).collect::<Vec<_>>());
-        Interpolated { keys, curves, spectra: Arc::new(spectra) }
+        Interpolated { keys, steps: curves.steps(), curves, spectra: Arc::new(spectra) }
     }
 
     /// About the radius of an estimate where there are photons: that of some of them, among which photons are farther apart.
@@ -277,7 +284,12 @@ impl<'s> Maps<'s> {
         irradiances.clear();
         distances.clear();
         let position = glam::Vec3A::from_array(place.position);
-        thrown.passing(place.surface, &region_of(place, reach.radius), |photon, motion| {
+        let mut region = region_of(place, reach.radius);
+        if place.face.is_none() {
+            // On a curved surface photons are this far from where they are thought to be.
+            region.thickness += NEAR * self.usual;
+        }
+        thrown.passing(place.surface, &region, |photon, motion| {
             if place.sees(photon) {
                 candidates.push(motion.past(photon, position));
             }
@@ -287,7 +299,7 @@ impl<'s> Maps<'s> {
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "within limits")]
         let steps = ((STEPS * radii).ceil().clamp(1.0, f32::from(MOST_STEPS)) as u16).next_power_of_two();
         // Fluxes change from key to key, too, where photons hardly move.
-        let steps = steps.max(self.curves.as_ref().map_or(1, |known| known.curves.steps()));
+        let steps = steps.max(self.curves.as_ref().map_or(1, |known| known.steps));
         found.steps = steps;
         let (kernel, scale) = (self.density.kernel, self.density.scale_within(place, reach.radius));
         #[allow(clippy::cast_possible_truncation, reason = "numbers of this size")]

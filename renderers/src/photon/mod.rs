@@ -2,7 +2,8 @@
 //!
 //! Photons are traced from the lights towards mirrors and glass, and kept where they meet a surface that scatters: paths L S⁺ D. Until a path
 //! meets a medium in which light behaves differently by wavelength, it stands for the whole spectrum, as a product of spectra. Behind such a
-//! medium it stands for a bundle of waves: it is thrown again for each interval that a pixel asks for.
+//! medium it is thrown at a few wavelengths, between which it is found at all of them (or, if asked for, thrown again for each interval that a
+//! pixel asks for).
 
 mod account;
 mod aim;

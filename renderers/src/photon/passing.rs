@@ -182,6 +182,8 @@ mod tests {
             let mut found = Vec::new();
             ways.passing(&map, place % 3, &region, |number| found.push(map.origins()[number as usize]));
             found.sort_unstable();
+            assert!(found.windows(2).all(|pair| pair[0] < pair[1]));
+            assert!(found.iter().all(|number| photons[*number as usize].surface == place % 3));
             let distance = |number: &u32| {
                 let (photon, motion) = (&photons[*number as usize], &motions[*number as usize]);
                 let at = |step: u16| {

@@ -21,9 +21,9 @@ pub struct PhotonOptions {
     pub kernel: Kernel,
     /// Whether estimates choose their radius by their errors; otherwise it is the distance of the farthest of the nearest photons.
     pub adaptive: bool,
-    /// Where in a band of wavelengths photons are thrown.
+    /// At which wavelengths photons that depend on them are thrown.
     pub bundle: Bundle,
-    /// How photons that depend on the wavelength are thrown for a band.
+    /// How photons that depend on the wavelength are found at all wavelengths.
     pub rethrow: Rethrow,
     /// How often photons are thrown anew, with camera rays of their own; the picture is the mean. Memory is that of one pass.
     pub passes: u32,
@@ -71,7 +71,7 @@ pub struct PhotonReport {
     pub even: usize,
     /// Paths whose way depends on the wavelength.
     pub dispersed: usize,
-    /// The maps of bands of wavelengths that were made, wider ones first.
+    /// The maps of bands of wavelengths that were made, wider ones first: that of all waves alone unless maps are made for bands.
     pub bands: Vec<BandReport>,
     /// The wavelengths in nm at which dispersed paths were thrown, if photons are interpolated between.
     pub keys: Vec<f64>,

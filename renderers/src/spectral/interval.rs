@@ -7,12 +7,11 @@ use spectral_core::adaptive::{Mode, Piece, Status, Target, evaluate};
 use spectral_core::bound::delta_e_bound;
 use spectral_core::colour::rgb;
 use spectral_core::expression::{Op, Order, Program, Sources};
-use spectral_core::interval::{
-    BuildError, Domain, FIRST_WAVELENGTH, Interval, LAST_WAVELENGTH, Node, Pyramid, Weight, node_count, nodes,
-};
+use spectral_core::interval::{BuildError, Domain, Interval, Node, Pyramid, Weight, node_count, nodes};
 use spectral_core::spectrum::{PiecewiseLinear, Spectrum};
 use spectral_core::subdivision::{Scaled, Stage, Subdivision};
 
+use super::hats::{Hat, Lines, STEPS, hats, measure};
 use super::radiance::PairBuild;
 use super::{
     Band, Colour, Deferred, Monomial, Monomials, Palette, Radiance, Resolver, Tabulated, Tracer, Y_INTEGRAL, normalised,
@@ -77,79 +76,11 @@ pub struct IntervalMemory {
     hats: Vec<Tabulated>,
 }
 
-/// Light that changes with 1/λ² in straight lines, by so many steps over the visible wavelengths, is a sum of hats: what it is at the ends of the steps
-/// counts for the wavelengths between.
-const STEPS: [u16; 3] = [1, 2, 4];
-
-/// The most ends of steps.
-const MOST_ENDS: usize = 5;
-
-/// The hats for each of these numbers of steps.
-fn hats() -> Vec<Tabulated> {
-    let [first, last] = [FIRST_WAVELENGTH, LAST_WAVELENGTH].map(measure);
-    let place = |wavelength: f64| ((measure(wavelength) - first) / (last - first)).clamp(0.0, 1.0);
-    let hat = |steps: u16, end: u16| {
-        let height = |wavelength: f64| 1.0 - (place(wavelength) * f64::from(steps) - f64::from(end)).abs();
-        Tabulated::sampled(|wavelength| height(wavelength).max(0.0))
-    };
-    STEPS.iter().flat_map(|steps| (0..=*steps).map(|end| hat(*steps, end))).collect()
-}
-
 /// A product of spectra in a pixel: for light that is the same at all wavelengths, or what a hat has of it.
 type Term = (Monomial, Option<Hat>);
 
-/// A hat by its number among all.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct Hat(u32);
-
-impl Hat {
-    /// Those for one of the numbers of steps.
-    fn all(steps: u16) -> impl Iterator<Item = Self> {
-        let before: u16 = STEPS.iter().take_while(|other| **other < steps).map(|other| other + 1).sum();
-        (before..=before + steps).map(|number| Self(u32::from(number)))
-    }
-
-    /// A number for a hat or none.
-    const fn code(hat: Option<Self>) -> u32 {
-        match hat {
-            None => 0,
-            Some(Self(number)) => number + 1,
-        }
-    }
-}
-
-/// Light on straight lines: a product, the steps, and what it is at their ends.
-#[derive(Clone, Copy, Debug)]
-struct Lines {
-    monomial: Monomial,
-    steps: u16,
-    ends: [f64; MOST_ENDS],
-}
-
-impl Lines {
-    /// The same in more steps, a multiple of its own.
-    fn in_steps(self, steps: u16) -> Self {
-        let times = steps / self.steps;
-        let end = |number: usize| {
-            let (before, part) = (number / usize::from(times), number % usize::from(times));
-            let [from, to] = [before, before + 1].map(|end| self.ends.get(end).copied().unwrap_or_default());
-            #[allow(clippy::cast_precision_loss, reason = "a few")]
-            let part = part as f64 / f64::from(times);
-            if number <= usize::from(steps) { from + (to - from) * part } else { 0.0 }
-        };
-        Self { steps, ends: core::array::from_fn(end), ..self }
-    }
-
-    /// The sum of this and other light of the same product.
-    fn plus(self, other: Self) -> Self {
-        let steps = self.steps.max(other.steps);
-        let [a, b] = [self, other].map(|lines| lines.in_steps(steps));
-        Self { ends: core::array::from_fn(|end| a.ends[end] + b.ends[end]), ..a }
-    }
-}
-
 impl<'a> SharedIntervals<'a> {
-    /// Integrates all spectra of a palette.
+    /// Integrates all spectra of a palette, and the hats.
     ///
     /// # Errors
     /// A text that says what is wrong with which leaf.
@@ -231,7 +162,7 @@ impl<'a> SharedIntervals<'a> {
     }
 }
 
-/// A recorded subdivision of one monomial.
+/// A recorded subdivision of one term.
 #[derive(Clone, Debug)]
 struct Recorded {
     stages: Vec<Stage<f64>>,
@@ -304,7 +235,7 @@ impl<'a> Intervals<'a> {
             let recorded = self.record(monomials, term);
             self.recorded.insert(key, recorded);
         }
-        let recorded = self.recorded.get(&key).filter(|r| scale <= r.largest)?;
+        let recorded = self.recorded.get(&key).filter(|r| scale >= 0.0 && scale <= r.largest)?;
         let subdivision = Subdivision::from_stages(&recorded.stages, self.shared.white, recorded.status);
         Some(subdivision.at_scale(scale))
     }
@@ -314,19 +245,20 @@ impl<'a> Intervals<'a> {
         if terms.len() > MOST_SUMMED {
             return None;
         }
-        let (mut xyz, mut radius, mut intervals) = ([0.0; 3], [0.0; 3], 0);
+        let (mut xyz, mut radius, mut size, mut intervals) = ([0.0; 3], [0.0; 3], [0.0; 3], 0);
         // As many times as bright, each has the intervals that make the sum good enough, about.
         #[allow(clippy::cast_precision_loss, reason = "a few")]
         let (count, times) = (terms.len() as f64, terms.len().next_power_of_two() as f64);
         for (term, scale) in terms {
             let found = self.scaled(monomials, *term, times * scale)?;
             xyz = core::array::from_fn(|a| xyz[a] + found.xyz[a] / times);
+            size = core::array::from_fn(|a| size[a] + found.xyz[a].abs() / times);
             radius = core::array::from_fn(|a| radius[a] + found.radius[a] / times);
             intervals = intervals.max(found.intervals);
         }
         // Twice the rounding of so many sums.
         let rounding = 2.0 * f64::EPSILON * count;
-        let radius = core::array::from_fn(|a| radius[a] * (1.0 + rounding) + rounding * xyz[a].abs());
+        let radius = core::array::from_fn(|a| radius[a] * (1.0 + rounding) + rounding * size[a]);
         let delta_e = delta_e_bound(xyz, radius, self.shared.white).delta_e;
         let (xyz, radius) = (normalised(xyz), normalised(radius));
         (delta_e <= self.shared.settings.threshold).then_some(Colour {
@@ -405,6 +337,9 @@ impl Resolver for Intervals<'_> {
     fn resolve(&mut self, radiance: &Radiance, tracer: &mut dyn Tracer) -> Colour {
         let general = |known: &mut Self, tracer: &mut dyn Tracer| {
             let (terms, groups) = parts(radiance, tracer);
+            if terms.is_empty() && groups.is_empty() {
+                return Colour { intervals: 1, ..Colour::DARK };
+            }
             let are_lines = groups.is_empty() && terms.iter().any(|((_, hat), _)| hat.is_some());
             let summed = if are_lines { known.summed(tracer.monomials(), &terms) } else { None };
             summed.unwrap_or_else(|| known.general((&terms, &groups), tracer))
@@ -752,7 +687,5 @@ fn band(domain: &Domain<'_, f64>, node: Node) -> Band {
     Band { wavelength, limits: [from, to] }
 }
 
-/// What paths change with, about in proportion: Cauchy's index does.
-fn measure(wavelength: f64) -> f64 {
-    1.0 / (wavelength * wavelength)
-}
+#[cfg(test)]
+mod tests;

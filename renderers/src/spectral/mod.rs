@@ -7,6 +7,7 @@
 
 mod components;
 mod gathered;
+mod hats;
 mod interval;
 mod palette;
 mod radiance;
@@ -16,6 +17,7 @@ mod uniform;
 pub(crate) use components::MEAN_WAVELENGTH;
 pub use components::{ComponentResolver, Components};
 pub use gathered::{RowColour, WithGathered};
+pub(crate) use hats::measure;
 pub use interval::{IntervalMemory, IntervalSettings, Intervals, SharedIntervals};
 pub use palette::{Factor, Palette, Role, Tabulated};
 pub use radiance::{Deferred, FactorOrder, Gathered, Monomial, Monomials, Radiance};
@@ -38,7 +40,7 @@ pub struct Colour {
     /// The bound of ΔE*ab from the spectral representation: certain in the certified mode where no light is deferred, an
     /// estimate otherwise; 0 for representations without a bound.
     pub delta_e: f64,
-    /// The part of the bound that comes of deferred light's paths: an estimate.
+    /// The part of the bound that comes of deferred light's paths: an estimate. Light that changes in straight lines in 1/λ² by the wavelength has none.
     pub path_delta_e: f64,
     /// What a standard error of the light found by photons counts for: a ΔE*ab, not part of the bound.
     pub photon_delta_e: f64,

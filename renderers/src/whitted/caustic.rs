@@ -17,7 +17,7 @@ use crate::frame::Frame;
 use crate::geometry::Hit;
 use crate::material::{Glossy, Lobe, Material};
 use crate::photon::{Estimate, Moving, Spectra};
-use crate::spectral::{Band, Deferred, Factor, Monomial, Radiance};
+use crate::spectral::{Band, Deferred, Factor, Monomial, Radiance, measure};
 
 /// Light that reaches surfaces by way of mirrors and glass: paths L S⁺ D.
 pub(crate) trait Caustics: Sync {
@@ -131,11 +131,6 @@ const SHARED: f32 = 0.5;
 
 /// In how many steps light may change that places share: where photons are faster, a place beside has another colour.
 const MOST_SHARED: u16 = 4;
-
-/// What paths change with, about in proportion: Cauchy's index does.
-fn measure(wavelength: f64) -> f64 {
-    1.0 / (wavelength * wavelength)
-}
 
 /// Where a wavelength is between the first (0) and the last (1), by that.
 fn between(wavelength: f64) -> f64 {
@@ -311,6 +306,9 @@ impl<'s> Worker<'s> {
             return;
         }
         let (curve, errors) = self.curve(&place, &spectra, noise);
+        if curve.monomials.is_empty() {
+            return;
+        }
         if let Some(band) = path.band {
             return self.add_product(&curve.over(band), Path { weight: 1.0, ..path }, radiance);
         }
@@ -347,6 +345,7 @@ impl<'s> Worker<'s> {
                 && known.hit.front == hit.front
                 && known.hit.geometric_normal.dot(hit.geometric_normal) >= LEAST_COSINE
                 && known.reach.value > 0.0
+                && known.weight > 0.0
                 && distance <= SHARED * radii[0].min(radii[1])
         };
         let Some(known) = self.curves.iter().find(is_near) else { return false };
@@ -384,6 +383,7 @@ impl<'s> Worker<'s> {
         }
         let unit = Path { monomial: Monomial::default(), ..path };
         #[allow(clippy::cast_precision_loss, reason = "at most some hundred")]
+        // As if all wavelengths had the same photons: where these are fast, that is more than the error.
         let share = share * reach.error / nodes as f64;
         for slot in 0..self.numbers.len() {
             let spectrum = self.numbers[slot];
@@ -402,7 +402,7 @@ impl<'s> Worker<'s> {
             }
         }
         for (monomial, error) in noise.terms() {
-            self.noise.add(*monomial, *error);
+            self.noise.add(self.monomials.product(path.monomial, *monomial), *error);
         }
         (curve, noise)
     }
@@ -442,7 +442,7 @@ impl<'s> Worker<'s> {
     }
 
     /// The part of a band's errors that counts: light that was asked for in some bands is asked for again in others.
-    fn noise_share(&mut self, band: Option<Band>) -> f64 {
+    pub(super) fn noise_share(&mut self, band: Option<Band>) -> f64 {
         let share = match band {
             None => return 1.0,
             Some(band) if band.share() == 0.0 => 1.0,
@@ -515,8 +515,8 @@ impl<'s> Worker<'s> {
 mod tests {
     use spectral_core::Observer;
 
-    use super::{Curve, between, measure, wavelength_at};
-    use crate::spectral::{Band, Monomial};
+    use super::{Curve, between, wavelength_at};
+    use crate::spectral::{Band, Monomial, measure};
 
     /// A curve through the light at nodes, of which there is one more than steps.
     fn curve(steps: u16, light: impl Fn(f64) -> f64) -> Curve {

@@ -474,7 +474,8 @@ impl<'s> Worker<'s> {
             Between::Noted(hits) => hits.push(*hit),
             Between::Asked(indirect) => {
                 // What is between surfaces is gathered along one path for all waves.
-                if reflected.weight == 0.0 || (reflected.band.is_some() && !self.is_preparing) {
+                let is_wanted = self.is_preparing || (reflected.band.is_none() && self.followed.is_none());
+                if reflected.weight == 0.0 || !is_wanted {
                     return;
                 }
                 let (start, width) = (self.rows.len(), indirect.width());

@@ -49,6 +49,8 @@ pub(super) struct Place {
     /// What it looks like, times this weight.
     light: Radiance,
     weight: f64,
+    /// The standard errors of that.
+    noise: Radiance,
     /// Where neighbouring pixels' rays come to by the same way, from here.
     steps: [Option<DVec3>; 2],
 }
@@ -94,6 +96,9 @@ impl Worker<'_> {
     /// Adds what a diffuse surface looks like that was met by a way through boundaries.
     pub(super) fn seen(&mut self, hit: &Hit, direction: DVec3, (path, band): (Path, Band), radiance: &mut Radiance) {
         let Some(Followed { number, weight }) = self.followed else { return };
+        if !(path.weight > 0.0) {
+            return;
+        }
         let share = path.weight / weight;
         let pixel = self.scene.pixel_angle * path.length;
         let is_same = |place: &Place| {
@@ -107,18 +112,27 @@ impl Worker<'_> {
             let steps = self.places.iter().find(of_the_way).map_or([None; 2], |place| place.steps);
             let unit = Path { monomial: crate::spectral::Monomial::default(), band: None, ..path };
             let mut light = Radiance::default();
+            let before = core::mem::take(&mut self.noise);
             self.scatter(hit, direction, unit, &mut light);
+            let noise = core::mem::replace(&mut self.noise, before);
             let (branch, weight) = (path.branch, path.weight);
-            self.places.push(Place { followed: number, branch, hit: *hit, light, weight, steps });
+            self.places.push(Place { followed: number, branch, hit: *hit, light, weight, noise, steps });
             self.places.len() - 1
         });
-        let (light, weight) = match self.places.get_mut(known) {
-            Some(place) => (core::mem::take(&mut place.light), place.weight),
+        let (light, weight, noise) = match self.places.get_mut(known) {
+            Some(place) => (core::mem::take(&mut place.light), place.weight, core::mem::take(&mut place.noise)),
             None => return,
         };
+        if !self.is_preparing {
+            let share = self.noise_share(Some(band)) * path.weight / weight;
+            for (monomial, error) in noise.terms() {
+                self.noise.add(self.monomials.product(path.monomial, *monomial), share * error);
+            }
+        }
         self.add_for(band, &light, Path { weight: path.weight / weight, ..path }, radiance);
         if let Some(place) = self.places.get_mut(known) {
             place.light = light;
+            place.noise = noise;
         }
     }
 

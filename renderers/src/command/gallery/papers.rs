@@ -65,7 +65,7 @@ impl Figure {
     ///   of the mode and the reference;
     /// - `map/QUANTITY/…`: a number in what `spectral map --json` says of a quantity;
     /// - `share A-B`: pixels with A to B intervals, in %;
-    /// - `band-photons`: photons that were thrown for bands of waves, but for the first one, which has all waves;
+    /// - `thrown-again`: photons that were thrown again as their ways depend on the wavelength: each at a few wavelengths;
     /// - `excess min` and `max`: extremes of how much too bright the mode is, relative to itself, in %.
     pub(super) fn counterpart(&self, render: &Value, compare: Option<&Value>) -> Option<f64> {
         if let Some((first, last)) = self.value.strip_prefix("share ").and_then(|range| range.split_once('-')) {
@@ -79,9 +79,10 @@ impl Figure {
             let ratio = compare?["relative_brightness"][extreme].as_f64()?;
             return Some(100.0 * ratio / (1.0 + ratio));
         }
-        if self.value == "band-photons" {
-            let bands = render["photon_map"]["bands"].as_array()?;
-            return Some(bands.iter().skip(1).filter_map(|band| band["photons"].as_f64()).sum());
+        if self.value == "thrown-again" {
+            let photons = &render["photon_map"];
+            let keys: f64 = photons["keys"].as_array()?.iter().map(|_| 1.0).sum();
+            return Some(keys * photons["dispersed"].as_f64()?);
         }
         if let Some((quantity, number)) = self.value.strip_prefix("map/").and_then(|rest| rest.split_once('/')) {
             let maps = render["maps"].as_array()?;
