@@ -29,7 +29,7 @@ use crate::spectral::{Factor, IntervalSettings, Palette};
 const MOST_GROUPS: usize = 64;
 /// The most faces that the model keeps apart.
 const MOST_FACES: usize = 32;
-/// The error of the model's iteration. What that leaves in a bound must be far below any threshold, or no split would help.
+/// The error of the model's iteration, which is needed where elimination fails. What that leaves in a bound must be far below any threshold, or no split would help.
 const ROUGH: f64 = 1e-9;
 /// The model isn't followed where twice as many cells leave more of its bound than this, once there are some.
 const STUCK: f64 = 0.75;
@@ -118,7 +118,7 @@ impl Plan<'_> {
         let rows: Vec<Estimate> = match (self.field.bounces, mode) {
             (Some(_), _) => self.field.solve(mode, &cells, &mut work).into_iter().map(alone).collect(),
             (None, Mode::Certified) => self.field.estimate(&cells, &mut work),
-            (None, _) => cells.iter().map(|cell| alone(self.field.eliminated(cell))).collect(),
+            (None, _) => self.field.planned(&cells, &mut work).into_iter().map(alone).collect(),
         };
         let known = |(cell, (rows, slopes))| Known { cell, rows, slopes, settled: false };
         self.cells.extend(cells.into_iter().zip(rows).map(known));

@@ -152,12 +152,12 @@ fn targets(patches: &Patches, links: &[Link], transport: &Transport, closed: &[b
     sums
 }
 
-/// Gives what leaves have above 1 to those near them.
+/// Gives what leaves have above 1 to those near them, unless nothing has room: then it is cut off.
 ///
 /// The visible share of a group's link is right for the group as a whole, nearly: leaves that are given more than there is around them have it from
 /// others, which lack it. To cut it off would lose light: 0.14 % of all exchanges in the Cornell box at an accuracy of 0.003. So the excess goes to the
 /// smallest group around a leaf whose open shares 1 − ΣF are enough, and these shrink by the same factor: ΣAF stays what it was, and no sum is
-/// above 1.
+/// above 1. What sees nothing has no room.
 fn share_out(patches: &Patches, transport: &Transport, sums: &mut [f64]) {
     let nodes = patches.nodes.len();
     let mut leaf_of = vec![None; nodes];
@@ -170,7 +170,7 @@ fn share_out(patches: &Patches, transport: &Transport, sums: &mut [f64]) {
             (Some(leaf), _) => {
                 let off = transport.areas[leaf] * (sums[leaf] - 1.0);
                 sums[leaf] = sums[leaf].min(1.0);
-                [off.max(0.0), (-off).max(0.0)]
+                [off.max(0.0), if sums[leaf] > 0.0 { (-off).max(0.0) } else { 0.0 }]
             }
             (None, Some([a, b])) => [flux[a][0] + flux[b][0], flux[a][1] + flux[b][1]],
             (None, None) => [0.0; 2],
@@ -190,7 +190,9 @@ fn share_out(patches: &Patches, transport: &Transport, sums: &mut [f64]) {
         node.children().into_iter().flatten().for_each(|child| left[child] *= left[index]);
     }
     for (sum, node) in sums.iter_mut().zip(&transport.leaves) {
-        *sum = 1.0 - (1.0 - *sum) * left[*node as usize];
+        if *sum > 0.0 {
+            *sum += (1.0 - *sum) * (1.0 - left[*node as usize]);
+        }
     }
 }
 
@@ -321,6 +323,25 @@ mod tests {
         sums[0] = 0.99;
         share_out(&radiosity.patches, &radiosity.transport, &mut sums);
         assert!(sums.iter().all(|sum| (sum - 1.0).abs() <= 1e-15), "{sums:?}");
+    }
+
+    /// Leaves that see nothing have no room for others' excess, and where there is none even the smallest sums stay what they are.
+    #[test]
+    fn what_sees_nothing_gets_nothing_and_small_sums_stay() {
+        let radiosity = cornell_box();
+        let (patches, transport) = (&radiosity.patches, &radiosity.transport);
+        let mut sums = vec![0.0_f64; transport.leaves.len()];
+        sums[1] = 1e-12;
+        let before = sums.clone();
+        share_out(patches, transport, &mut sums);
+        assert!(sums.iter().zip(&before).all(|(after, before)| after.to_bits() == before.to_bits()), "{sums:?}");
+        sums.fill(0.5);
+        (sums[0], sums[1]) = (1.1, 0.0);
+        let before = total(&radiosity, &sums);
+        share_out(patches, transport, &mut sums);
+        let after = total(&radiosity, &sums);
+        assert!((after - before).abs() <= 1e-12 * before && sums[1] == 0.0, "{before} {after} {}", sums[1]);
+        assert!(sums.iter().all(|sum| *sum <= 1.0));
     }
 
     /// What is seen of a patch is no more than the patch, but for rounding: shares of links need not be cut for more than that.

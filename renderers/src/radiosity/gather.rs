@@ -1,4 +1,4 @@
-//! Irradiance at any place from the patches, each in closed form.
+//! Irradiance at any place from the patches: each in closed form up to 512 polygons; of more, those that are near.
 
 use core::cell::RefCell;
 
@@ -158,9 +158,10 @@ impl Solution<'_> {
     /// Indirect irradiance at a place: that of light which surfaces have reflected diffusely at least once. One value for each
     /// component of the spectrum, in the unit of the lights' radiance times sr.
     ///
-    /// The patches' configuration factors are exact where nothing blocks, so that the result is exact under patches of uniform radiosity;
-    /// groups of patches count as one where that changes little for the accuracy that was asked for, and far faces of many are counted by rays. Where something may block and the number
-    /// of reflections isn't limited, radiosity is linear on near patches, and computed at points of theirs as here ([`Settings::points`]).
+    /// Up to 512 polygons, the patches' configuration factors are exact where nothing blocks, so that the result is exact under patches of uniform
+    /// radiosity; of more, far ones are counted by rays ([`indirect_within`](Self::indirect_within)). Groups of patches count as one where that
+    /// changes little for the accuracy that was asked for. Where something may block and the number of reflections isn't limited, radiosity is
+    /// linear on near patches, and computed at points of theirs as here ([`Settings::points`]).
     ///
     /// The largest relative error at 48 places of the Cornell box, 22 of which are in narrow gaps, in deep shade and 3 to 5 mm beside contacts:
     /// 1.5 % at an accuracy of 0.01, 2 % at 0.003 (0.5 % at all but one) and 0.6 % at 0.001 (0.3 % at all but one).
@@ -174,9 +175,13 @@ impl Solution<'_> {
     }
 
     /// The same with a tolerance for what [`indirect`](Self::indirect) has a fifth of the accuracy for: where there are more than 512 faces, those
-    /// that are close and give more than 3 % of the light are seen in closed form, all others by as many rays (512 to 65 536) as leave a standard error of at most
-    /// this share of the light. Less light than 1 % of that under the scene's mean radiosity counts as 1 %. With 0, or what isn't positive, every
-    /// face is seen in closed form, which takes as long as there are faces.
+    /// that are close, nearer than a quarter of their radius, and give more than 3 % of the light are seen in closed form, all others by as many
+    /// rays (512 to 65 536) as leave a standard error of at most this share of the light, estimated from eight parts of the rays. Less light than
+    /// 1 % of that under the scene's mean radiosity counts as 1 %. Where the most rays are too few, and with a tolerance of 0 or what isn't
+    /// positive, every face is seen in closed form, which takes as long as there are faces; an infinite tolerance means 512 rays.
+    ///
+    /// Among more than 512 faces, light from patches that are small and far brighter than the mean may be missed: rays that don't meet them tell
+    /// nothing of the error that this is. A tolerance of 0 misses none.
     #[must_use]
     pub fn indirect_within(&self, receiver: &Receiver<f64>, tolerance: f64) -> Vec<f64> {
         let place = Place::new(&self.radiosity.patches, receiver);

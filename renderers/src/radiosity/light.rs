@@ -28,8 +28,8 @@ impl IndirectLight for IndirectRadiosity<'_> {
         "radiosity"
     }
 
-    /// Illuminance by the means of light and ȳ over each bin; its error is that which the refinement aimed at, and the iteration's. NaN in all
-    /// of it for a position or normal that is none.
+    /// Illuminance by the means of light and ȳ over each bin; its error is that which the refinement aimed at, and the iteration's, and, among more
+    /// than 512 faces, that of counting far ones by rays. NaN in all of it for a position or normal that is none.
     fn irradiance(&self, position: DVec3, normal: DVec3) -> IndirectIrradiance {
         let Ok(receiver) = Receiver::new(position.to_array(), normal.to_array()) else {
             return IndirectIrradiance { lux: f64::NAN, error: f64::NAN, spectrum: None };

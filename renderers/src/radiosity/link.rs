@@ -180,8 +180,10 @@ pub(super) fn refine(
     links.retain(|link| !subdivide(patches, link, oracle, &mut pairs));
     while !pairs.is_empty() {
         let (mut parts_of_pairs, mut parts_of_links) = (Vec::new(), Vec::new());
-        for batch in pairs.chunks(BATCH) {
-            oracle.check(patches.nodes.len(), links.len() + pairs.len())?;
+        for (index, batch) in pairs.chunks(BATCH).enumerate() {
+            // Pairs that have become links, or nothing, aren't counted as well.
+            let open = pairs.len() - index * BATCH + parts_of_pairs.len() + parts_of_links.len();
+            oracle.check(patches.nodes.len(), links.len() + open)?;
             let known = &*patches;
             let found: Vec<Pair> = batch.par_iter().map(|ends| pair(known, *ends)).collect();
             for (found, (p, q, clear)) in found.into_iter().zip(batch) {

@@ -4,8 +4,9 @@ use spectral_core::adaptive::Mode;
 
 use super::cell::{Cell, Part, Row, Spectra};
 use super::coarse::Factored;
-use super::field::{Field, Lit};
+use super::field::{Field, Lit, Work};
 use super::transport::{Buffer, Transport};
+
 /// The model of a field: means over groups of leaves.
 pub(super) fn model_field<'m>(
     field: &Field<'_>,
@@ -45,8 +46,22 @@ pub(super) fn model_field<'m>(
 }
 
 impl Field<'_> {
-    /// Reflected radiosity on a cell, with the mean of all channels, where each leaf is a group by itself: by elimination.
-    pub(super) fn eliminated(&self, cell: &Cell) -> Vec<Row> {
+    /// Reflected radiosity on some cells, with the mean of all channels, where each leaf is a group by itself: by elimination; by iteration where that
+    /// fails, as it does for all groups if light never comes to an end in a closed space that no lamp shines into.
+    pub(super) fn planned(&self, cells: &[Cell], work: &mut Work<'_>) -> Vec<Vec<Row>> {
+        let rows = |cell: &Cell| {
+            let rows = self.eliminated(cell);
+            if rows.iter().all(|row| row.norm.is_finite() && row.value.iter().all(|value| value.is_finite())) {
+                return rows;
+            }
+            self.solve(Mode::Paper, core::slice::from_ref(cell), work).pop().unwrap_or(rows)
+        };
+        cells.iter().map(rows).collect()
+    }
+
+    /// Reflected radiosity on a cell, with the mean of all channels, where each leaf is a group by itself: by elimination. Not finite where pivots
+    /// vanish.
+    fn eliminated(&self, cell: &Cell) -> Vec<Row> {
         let parts: Vec<Part> = self.reflectances.iter().map(|factor| cell.part(*factor)).collect();
         let of_part = |Part { mean: [x, y, z], common, .. }: &Part| [*x, *y, *z, *common];
         let reflectance: Vec<[f64; 4]> = self.surface.iter().map(|kind| of_part(&parts[*kind])).collect();
@@ -68,11 +83,12 @@ mod tests {
 
     use super::model_field;
     use crate::radiosity::cell::Spectra;
-    use crate::radiosity::field::Work;
+    use crate::radiosity::coarse::Coarse;
+    use crate::radiosity::field::{Field, Lit, Work};
     use crate::radiosity::transport::{Buffer, Buffers, Transport};
     use crate::radiosity::{Radiosity, Settings};
     use crate::scene::builtin;
-    use crate::spectral::Palette;
+    use crate::spectral::{Factor, Palette};
 
     /// Elimination finds what iteration does.
     #[test]
@@ -99,5 +115,43 @@ mod tests {
                 assert!(off <= 1e-11 * most, "{one:?} {other:?}");
             }
         }
+    }
+
+    /// Two groups that keep all light to themselves, but have none, don't hide what the third has.
+    #[test]
+    fn groups_that_lose_no_light_are_solved_for_by_iteration() {
+        let coarse = Coarse {
+            group: vec![0, 1, 2],
+            areas: vec![1.0; 3],
+            between: vec![0.0, 1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.5],
+            spread: Vec::new(),
+        };
+        let (transport, lit) = (Transport::between(&coarse), vec![0.0, 0.0, 1.0]);
+        let field = Field {
+            transport: &transport,
+            surface: vec![0, 0, 1],
+            reflectances: [1.0, 0.5].map(|scale| Factor { scale, leaf: None }).to_vec(),
+            lamps: vec![Lit { emitted: vec![0.0; 3], direct: lit.clone(), all: lit }],
+            largest_sum: 1.0,
+            sums: &[],
+            coarse,
+            of_groups: vec![0, 0, 1],
+            amplification: Vec::new(),
+            amplified: Vec::new(),
+            rounding: transport.rounding(),
+            bounces: None,
+        };
+        let (palette, buffers) = (Palette::default(), Buffers::default());
+        let spectra = Spectra::new(&palette, false).unwrap();
+        let cell = spectra.cell(0, None, Node::ROOT).unwrap();
+        assert!(field.eliminated(&cell)[2].norm.is_nan());
+        let mut work = Work { tolerance: 1e-13, buffers: &buffers, report: &mut |_, _| {} };
+        let rows = field.planned(&[cell], &mut work).remove(0);
+        // ρ/(1 − ρK)
+        for (row, radiosity) in rows.iter().zip([0.0, 0.0, 2.0 / 3.0]) {
+            let numbers = row.value.iter().chain([&row.norm]);
+            assert!(numbers.clone().all(|number| (number - radiosity).abs() <= 1e-12), "{row:?} {radiosity}");
+        }
+        assert_eq!(rows.len(), 3);
     }
 }
