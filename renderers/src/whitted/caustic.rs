@@ -10,7 +10,6 @@ use spectral_core::brdf::Schlick;
 use spectral_core::interval::{FIRST_WAVELENGTH, LAST_WAVELENGTH};
 
 use super::schlick::schlick_terms;
-use super::seen::LEAST_COSINE;
 use super::{Later, Path, Worker, receiver};
 use crate::direct::{Part, Receiver};
 use crate::frame::Frame;
@@ -128,6 +127,9 @@ pub(super) struct Known {
 /// How near places are, relative to the radii of their estimates, that have most photons in common: of discs whose centres are half a
 /// radius apart two thirds are in both.
 const SHARED: f32 = 0.5;
+
+/// The cosine of normals on the same part of a surface: they differ by less than 8°.
+const LEAST_COSINE: f32 = 0.99;
 
 /// In how many steps light may change that places share: where photons are faster, a place beside has another colour.
 const MOST_SHARED: u16 = 4;
@@ -442,7 +444,7 @@ impl<'s> Worker<'s> {
     }
 
     /// The part of a band's errors that counts: light that was asked for in some bands is asked for again in others.
-    pub(super) fn noise_share(&mut self, band: Option<Band>) -> f64 {
+    fn noise_share(&mut self, band: Option<Band>) -> f64 {
         let share = match band {
             None => return 1.0,
             Some(band) if band.share() == 0.0 => 1.0,

@@ -17,11 +17,11 @@
 
 mod build;
 mod caustic;
+mod deferred;
 mod error;
 mod glossy;
 mod refraction;
 mod schlick;
-mod seen;
 
 pub(crate) use build::camera;
 pub(crate) use caustic::{Arrived, Arriving, Caustics, Passing, Reach};
@@ -36,7 +36,6 @@ pub use self::error::RenderError;
 pub use self::glossy::GlossyLight;
 use self::refraction::Interface;
 pub(crate) use self::refraction::boundary;
-use self::seen::{Followed, Neighbour, Place};
 use crate::direct::{Blockers, Cells, Cover, KnownCells, Light, Part, Receiver, Scratch, Source, Surroundings, single};
 use crate::frame::{Frame, Parametrisation};
 use crate::geometry::sampling::SobolSequence;
@@ -185,15 +184,10 @@ pub struct Worker<'s> {
     noise_counted: Option<f64>,
     /// Places where it is known how their light changes with the wavelength.
     curves: Vec<Known>,
-    /// The deferred light that is being followed, and places that were seen by way of it.
-    followed: Option<Followed>,
-    places: Vec<Place>,
     /// Deferred light with the light between surfaces that it has.
     prepared: Vec<(usize, Radiance)>,
     /// Whether deferred light is followed for the first time: light between surfaces is wanted then.
     is_preparing: bool,
-    /// Where rays of a neighbouring pixel come to, while they are followed.
-    beside: Option<Vec<Neighbour>>,
     known: KnownCells,
     scratch: Scratch,
     points: SobolSequence,
@@ -232,8 +226,6 @@ struct Path {
     interior: Option<u32>,
     /// Its length from the eye.
     length: f64,
-    /// Its reflections and refractions since it depends on the wavelength.
-    branch: u32,
 }
 
 impl<'s> Worker<'s> {
@@ -254,11 +246,8 @@ impl<'s> Worker<'s> {
             noise: Radiance::default(),
             noise_counted: None,
             curves: Vec::new(),
-            followed: None,
-            places: Vec::new(),
             prepared: Vec::new(),
             is_preparing: false,
-            beside: None,
             known: KnownCells::default(),
             scratch: Scratch::default(),
             points: SobolSequence::new(0),
@@ -302,7 +291,6 @@ impl<'s> Worker<'s> {
     fn forget_deferred(&mut self) {
         self.deferred.clear();
         self.curves.clear();
-        self.places.clear();
         self.prepared.clear();
         self.rows.clear();
     }
@@ -337,7 +325,6 @@ impl<'s> Worker<'s> {
             band: None,
             interior: None,
             length: 0.0,
-            branch: seen::ROOT,
         };
         self.samples = self.samples.wrapping_add(1);
         self.gather(&ray, path, radiance);
@@ -376,24 +363,6 @@ impl<'s> Worker<'s> {
 
     /// Adds what a surface that was hit along a direction reflects and lets through.
     fn shade(&mut self, hit: &Hit, direction: DVec3, path: Path, radiance: &mut Radiance) {
-        let scene = self.scene;
-        let Some(Surface { material, .. }) = scene.surfaces.get(hit.shape as usize) else { return };
-        let material = material.side(hit.front);
-        if let Some(beside) = &mut self.beside {
-            match material {
-                Some(Material::Mirror(_) | Material::Dielectric(_)) => {}
-                Some(Material::Diffuse(_)) => return beside.push(Neighbour::new(path.branch, *hit)),
-                _ => return,
-            }
-        }
-        if let (Some(Material::Diffuse(_)), Some(band), false) = (material, path.band, path.scattered) {
-            return self.seen(hit, direction, (path, band), radiance);
-        }
-        self.scatter(hit, direction, path, radiance);
-    }
-
-    /// The same, not what was seen before.
-    fn scatter(&mut self, hit: &Hit, direction: DVec3, path: Path, radiance: &mut Radiance) {
         let scene = self.scene;
         let Some(Surface { material, .. }) = scene.surfaces.get(hit.shape as usize) else { return };
         match material.side(hit.front) {
@@ -474,8 +443,7 @@ impl<'s> Worker<'s> {
             Between::Noted(hits) => hits.push(*hit),
             Between::Asked(indirect) => {
                 // What is between surfaces is gathered along one path for all waves.
-                let is_wanted = self.is_preparing || (reflected.band.is_none() && self.followed.is_none());
-                if reflected.weight == 0.0 || !is_wanted {
+                if reflected.weight == 0.0 || (reflected.band.is_some() && !self.is_preparing) {
                     return;
                 }
                 let (start, width) = (self.rows.len(), indirect.width());

@@ -5,7 +5,6 @@ use alloc::sync::Arc;
 use glam::DVec3;
 use spectral_core::fresnel;
 
-use super::seen::{Followed, ROOT, branch};
 use super::{Later, Path, Surface, Worker, mirror_ray, receiver};
 use crate::direct::single;
 use crate::geometry::Hit;
@@ -52,11 +51,11 @@ impl Worker<'_> {
             return;
         }
         let (share, refracted) = boundary(dielectric, &hit, direction, path.band.map_or(0.0, |band| band.wavelength));
-        let reflected = Path { weight: path.weight * share, branch: branch(path.branch, 0), ..path };
+        let reflected = Path { weight: path.weight * share, ..path };
         let mirrored = self.times(reflected, dielectric.reflectance);
         self.follow(&mirror_ray(&hit, direction), mirrored, path.interior_before(&hit), radiance);
         if let Some(onward) = refracted {
-            let refracted = Path { weight: path.weight * (1.0 - share), branch: branch(path.branch, 1), ..path };
+            let refracted = Path { weight: path.weight * (1.0 - share), ..path };
             self.refract(&hit, onward, refracted, dielectric, radiance);
         }
     }
@@ -74,7 +73,7 @@ impl Worker<'_> {
         match self.deferred.get(number).cloned() {
             Some(Later::Boundary(interface)) => {
                 self.prepare(number, &interface, Band::single(MEAN_WAVELENGTH));
-                self.expand_boundary(number, &interface, band)
+                self.expand_boundary(&interface, band)
             }
             // Nothing in these is gathered.
             Some(Later::Dispersed(place)) if !self.is_preparing => self.dispersed(&place, band),
@@ -83,7 +82,7 @@ impl Worker<'_> {
         }
     }
 
-    pub(super) fn expand_boundary(&mut self, number: usize, interface: &Interface, band: Band) -> Radiance {
+    pub(super) fn expand_boundary(&mut self, interface: &Interface, band: Band) -> Radiance {
         let mut light = Radiance::default();
         let scene = self.scene;
         let Some(Surface { material: Material::Dielectric(dielectric), .. }) =
@@ -100,12 +99,9 @@ impl Worker<'_> {
                 weight: interface.path.weight * (1.0 - share),
                 band: Some(band),
                 interior: None,
-                branch: ROOT,
                 ..interface.path
             };
-            let before = self.followed.replace(Followed { number, weight: interface.path.weight });
             self.refract(&interface.hit, onward, path, dielectric, &mut light);
-            self.followed = before;
         }
         light
     }
