@@ -6,8 +6,9 @@ use core::sync::atomic::{AtomicBool, Ordering};
 use std::collections::HashMap;
 use std::sync::{Mutex, OnceLock};
 
-use super::curves::{Curves, Motion};
+use super::curves::Curves;
 use super::map::Region;
+use super::motion::Motion;
 use super::passing::Ways;
 use super::{Emission, Photon, PhotonMap, Spectra};
 use crate::spectral::Band;

@@ -1,7 +1,7 @@
 //! Photons that pass a place as the wavelength changes.
 
-use super::curves::Motion;
 use super::map::{LEAF, PhotonMap, Region, Tree, WAITING, square};
+use super::motion::Motion;
 
 /// The ways of a map's photons, each a straight line, in boxes: a hierarchy over the leaves of the map's trees.
 #[derive(Clone, Debug, Default)]
@@ -154,8 +154,8 @@ impl Ways {
 #[cfg(test)]
 mod tests {
     use super::Ways;
-    use crate::photon::curves::Motion;
     use crate::photon::map::Region;
+    use crate::photon::motion::Motion;
     use crate::photon::random::Random;
     use crate::photon::{Photon, PhotonMap};
 

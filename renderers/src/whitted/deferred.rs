@@ -1,12 +1,31 @@
-//! What is found of deferred light: for some waves, and the light between surfaces in it.
+//! What is found of deferred light: for some waves, at all of them, and the light between surfaces in it.
 
 use super::refraction::Interface;
-use super::{Between, Path, Worker};
-use crate::spectral::{Band, Radiance};
+use super::{Between, Later, Path, Worker};
+use crate::spectral::{Band, Deferred, Gathered, MEAN_WAVELENGTH, Monomial, Monomials, Radiance, Tracer};
 
 impl Worker<'_> {
-    /// Adds light times a path's products and weight, what is deferred in it for some waves.
+    /// Adds light times a path's products and weight; what is deferred in it stays so.
+    pub(super) fn add_product(&mut self, light: &Radiance, by: Path, radiance: &mut Radiance) {
+        self.add_found(light, by, radiance);
+        for (deferred, monomial, weight) in light.deferred() {
+            let product = self.monomials.product(by.monomial, *monomial);
+            radiance.defer(*deferred, product, by.weight * weight);
+        }
+    }
+
+    /// The same, what is deferred for some waves.
     pub(super) fn add_for(&mut self, band: Band, light: &Radiance, by: Path, radiance: &mut Radiance) {
+        self.add_found(light, by, radiance);
+        for (deferred, monomial, weight) in light.deferred() {
+            let inner = self.expand(deferred.0 as usize, band);
+            let product = self.monomials.product(by.monomial, *monomial);
+            self.add_product(&inner, Path { monomial: product, weight: by.weight * weight, ..by }, radiance);
+        }
+    }
+
+    /// The same of what is not deferred.
+    fn add_found(&mut self, light: &Radiance, by: Path, radiance: &mut Radiance) {
         for (monomial, weight) in light.terms() {
             let product = self.monomials.product(by.monomial, *monomial);
             radiance.add(product, by.weight * weight);
@@ -14,11 +33,6 @@ impl Worker<'_> {
         for (gathered, monomial, weight) in light.gathered() {
             let product = self.monomials.product(by.monomial, *monomial);
             radiance.gather(*gathered, product, by.weight * weight);
-        }
-        for (deferred, monomial, weight) in light.deferred() {
-            let inner = self.expand(deferred.0 as usize, band);
-            let product = self.monomials.product(by.monomial, *monomial);
-            self.add_product(&inner, Path { monomial: product, weight: by.weight * weight, ..by }, radiance);
         }
     }
 
@@ -44,5 +58,46 @@ impl Worker<'_> {
             .iter()
             .find(|(known, _)| *known == number)
             .map_or_else(Radiance::default, |(_, light)| light.clone())
+    }
+}
+
+impl Tracer for Worker<'_> {
+    fn monomials(&self) -> &Monomials {
+        &self.monomials
+    }
+
+    fn trace(&mut self, deferred: Deferred, band: Band) -> Radiance {
+        self.expand(deferred.0 as usize, band)
+    }
+
+    fn lines(
+        &mut self,
+        deferred: Deferred,
+        (by, weight): (Monomial, f64),
+        steps: &[u16],
+        add: &mut dyn FnMut(Monomial, &[f64]),
+    ) -> bool {
+        let Some(Later::Curve(curve)) = self.deferred.get(deferred.0 as usize) else { return false };
+        let is_known = steps.contains(&curve.steps());
+        let mut scaled = Vec::new();
+        for (monomial, weights) in curve.terms().filter(|_| is_known) {
+            scaled.clear();
+            scaled.extend(weights.iter().map(|w| weight * w));
+            add(self.monomials.product(by, monomial), &scaled);
+        }
+        is_known
+    }
+
+    fn trace_gathered(&mut self, deferred: Deferred) -> Radiance {
+        let number = deferred.0 as usize;
+        if let Some(Later::Boundary(interface)) = self.deferred.get(number).cloned() {
+            self.prepare(number, &interface, Band::single(MEAN_WAVELENGTH));
+        }
+        self.gathered(number)
+    }
+
+    fn row(&self, gathered: Gathered) -> &[f64] {
+        let Between::Asked(indirect) = &self.between else { return &[] };
+        self.rows.chunks(indirect.width().max(1)).nth(gathered.0 as usize).unwrap_or_default()
     }
 }

@@ -41,10 +41,7 @@ use crate::frame::{Frame, Parametrisation};
 use crate::geometry::sampling::SobolSequence;
 use crate::geometry::{Camera, Hit, Ray, World};
 use crate::material::{Dielectric, Lobe, Material, mirror_factors};
-use crate::spectral::{
-    Band, Deferred, Factor, FactorOrder, Functional, Gathered, MEAN_WAVELENGTH, Monomial, Monomials, Palette, Radiance,
-    Tracer,
-};
+use crate::spectral::{Band, Factor, FactorOrder, Functional, Gathered, Monomial, Monomials, Palette, Radiance};
 
 /// Paths that count for less in a pixel are not followed, if they count for less than the second number in their camera ray, too.
 const LEAST_WEIGHT: f64 = 1e-4;
@@ -496,22 +493,6 @@ impl<'s> Worker<'s> {
         }
     }
 
-    /// Adds gathered light times a path's products and weight.
-    fn add_product(&mut self, light: &Radiance, by: Path, radiance: &mut Radiance) {
-        for (monomial, weight) in light.terms() {
-            let product = self.monomials.product(by.monomial, *monomial);
-            radiance.add(product, by.weight * weight);
-        }
-        for (deferred, monomial, weight) in light.deferred() {
-            let product = self.monomials.product(by.monomial, *monomial);
-            radiance.defer(*deferred, product, by.weight * weight);
-        }
-        for (gathered, monomial, weight) in light.gathered() {
-            let product = self.monomials.product(by.monomial, *monomial);
-            radiance.gather(*gathered, product, by.weight * weight);
-        }
-    }
-
     /// Follows a path one step further, unless it is too deep or counts for too little.
     fn follow(&mut self, ray: &Ray, path: Path, interior: Option<u32>, radiance: &mut Radiance) {
         if path.depth < self.scene.settings.max_depth && path.weight * path.counts >= path.least {
@@ -567,47 +548,6 @@ impl Worker<'_> {
             irradiance
         };
         (0..count).map(of_light).collect()
-    }
-}
-
-impl Tracer for Worker<'_> {
-    fn monomials(&self) -> &Monomials {
-        &self.monomials
-    }
-
-    fn trace(&mut self, deferred: Deferred, band: Band) -> Radiance {
-        self.expand(deferred.0 as usize, band)
-    }
-
-    fn lines(
-        &mut self,
-        deferred: Deferred,
-        (by, weight): (Monomial, f64),
-        steps: &[u16],
-        add: &mut dyn FnMut(Monomial, &[f64]),
-    ) -> bool {
-        let Some(Later::Curve(curve)) = self.deferred.get(deferred.0 as usize) else { return false };
-        let is_known = steps.contains(&curve.steps());
-        let mut scaled = Vec::new();
-        for (monomial, weights) in curve.terms().filter(|_| is_known) {
-            scaled.clear();
-            scaled.extend(weights.iter().map(|w| weight * w));
-            add(self.monomials.product(by, monomial), &scaled);
-        }
-        is_known
-    }
-
-    fn trace_gathered(&mut self, deferred: Deferred) -> Radiance {
-        let number = deferred.0 as usize;
-        if let Some(Later::Boundary(interface)) = self.deferred.get(number).cloned() {
-            self.prepare(number, &interface, Band::single(MEAN_WAVELENGTH));
-        }
-        self.gathered(number)
-    }
-
-    fn row(&self, gathered: Gathered) -> &[f64] {
-        let Between::Asked(indirect) = &self.between else { return &[] };
-        self.rows.chunks(indirect.width().max(1)).nth(gathered.0 as usize).unwrap_or_default()
     }
 }
 
