@@ -521,8 +521,11 @@ mod tests {
     #[test]
     fn parts_lead_from_wavelength_to_wavelength() {
         let throw = |wavelength: f64| thrown(wavelength, |w| 2e5 / (w * w));
-        let own = |path: u32| 400.0 + 3.0 * f64::from(path);
-        for keys in [&[400.0, 700.0][..], &[400.0, 480.0, 600.0, 700.0]] {
+        // The second is on a limit between two stretches.
+        let spread: fn(u32) -> f64 = |path| 400.0 + 3.0 * f64::from(path);
+        let few = &[400.0, 700.0][..];
+        let many = &[400.0, 480.0, 600.0, 700.0][..];
+        for (keys, own) in [(few, spread), (many, spread), (many, |_: u32| 480.0)] {
             let curves = Curves::new(&keys.iter().map(|w| (*w, throw(*w))).collect::<Vec<_>>());
             for longest in [f32::INFINITY, 0.3, 0.01] {
                 let (mut photons, sources) = curves.placed(own);
