@@ -149,8 +149,10 @@ fn scatter_falls_with_the_number_of_photons() {
     assert!((-1.0..=-0.5).contains(&found), "{found}");
 }
 
-/// With the n^⅔ nearest of n photons, variance goes with n^−⅔, and the bias with the square of the radius, n^−⅓: so do errors. The adaptive
-/// estimate may choose as many photons, or fewer.
+/// With the n^⅔ nearest of n independent photons, the scatter goes with n^−⅓. Radii of photons go with the inverse root of the density, for which the
+/// bias is that of the radius' fourth power (Abramson, "On Bandwidth Variation in Kernel Estimates — A Square Root Law", 1982), n^−⅔, where it is
+/// that of the square with radii of places, n^−⅓. Low-discrepancy points scatter less: errors go down between these. The adaptive estimate may
+/// choose as many photons, or fewer.
 #[test]
 fn errors_of_the_nearest_photons_fall_with_their_number() {
     let ball = Ball::new();
@@ -158,7 +160,7 @@ fn errors_of_the_nearest_photons_fall_with_their_number() {
         let found = measured(&format!("nearest, adaptive: {adaptive}"), &[2000, 8000, 32_000, 128_000], |count| {
             ball.against_truth(PhotonOptions { nearest: nearest(count), adaptive, ..photons(count, 1.0) }, 3)
         });
-        assert!((found + 1.0 / 3.0).abs() <= 0.06, "{adaptive}: {found}");
+        assert!((-2.0 / 3.0..=-1.0 / 3.0).contains(&found), "{adaptive}: {found}");
     }
 }
 
@@ -186,10 +188,8 @@ fn errors_fall_over_passes() {
     assert!((found - expected).abs() <= 0.04, "{found}, not {expected}");
 }
 
-/// Closed form: light through a plate. With a radius that stays, the mean over seeds is right, whether all of the plate is lit or a slit of it.
-///
-/// Radii that depend on the place don't keep flux: beside what is lit they are larger than within, and find light there that isn't missing within.
-/// Along each edge that is what falls on a strip of up to a quarter of the radius within.
+/// Closed form: light through a plate. The mean over seeds is right, whether all of the plate is lit or a slit of it, however radii are chosen: they
+/// belong to photons, and all light of a photon is there once.
 #[test]
 fn estimates_are_right_on_average() {
     const SEEDS: u64 = 24;
@@ -207,18 +207,13 @@ fn estimates_are_right_on_average() {
     let passes = Plate { thickness: 0.5, index: 1.5, absorption: 0.0 }.shares(0.0)[0];
     for (name, body, width) in [("plate", cube.clone(), 2.0), ("slit", cube + &slit, 0.15)] {
         let scene = receiver.scene(&down(&body), &[]).unwrap();
-        // All photons are on the lit part of the plate, 8 long.
-        let strips = |nearest: f64| {
-            let radius = (nearest * 8.0 * width / (20_000.0 * PI)).sqrt();
-            if width < 1.0 { 2.0 * radius / 4.0 / width } else { 0.005 }
-        };
-        for (count, adaptive, nearest, tolerance) in [
-            (1000, false, 1 << 24, 0.0),
-            (5000, false, 1 << 24, 0.0),
-            (20_000, false, 1 << 24, 0.0),
-            (20_000, true, 50, strips(50.0)),
-            (20_000, true, 400, 0.005),
-            (20_000, false, 50, strips(50.0)),
+        for (count, adaptive, nearest) in [
+            (1000, false, 1 << 24),
+            (5000, false, 1 << 24),
+            (20_000, false, 1 << 24),
+            (20_000, true, 50),
+            (20_000, true, 400),
+            (20_000, false, 50),
         ] {
             let flux = |seed| {
                 let photons = PhotonOptions { adaptive, nearest, ..photons(count, 0.3) };
@@ -234,7 +229,7 @@ fn estimates_are_right_on_average() {
                 100.0 * found.error
             );
             // Student's t of 23 degrees of freedom is beyond 3.8 once in a thousand times.
-            assert!(excess.abs() <= tolerance + 3.8 * found.error && found.error <= 0.012, "{name} {count}: {found:?}");
+            assert!(excess.abs() <= 3.8 * found.error && found.error <= 0.012, "{name} {count}: {found:?}");
         }
     }
 }

@@ -47,8 +47,8 @@ fn options(count: u64, bins: usize) -> Options {
     let photons = PhotonOptions {
         count: PhotonCount::Count(count),
         radius: Some(RADIUS),
-        nearest: 400,
-        // With the same radius everywhere, estimates have all the flux.
+        // The same radius everywhere.
+        nearest: 1 << 24,
         adaptive: false,
         between: Between::Ambient,
         ..PhotonOptions::default()

@@ -17,16 +17,16 @@ pub(super) struct PhotonArguments {
     /// As many photons as it takes for this relative error where they land, instead of a number of them.
     #[arg(long, value_name = "SHARE", allow_negative_numbers = true, conflicts_with = "photons")]
     photon_error: Option<f64>,
-    /// The most photons that an estimate takes; 50 by default.
+    /// The most photons within the distance at which one counts; 50 by default.
     #[arg(long, value_name = "N")]
     nearest: Option<usize>,
-    /// The largest distance of an estimate's photons, in scene units; a fortieth of the scene's diagonal by default.
+    /// The largest distance at which photons count, in scene units; a fortieth of the scene's diagonal by default.
     #[arg(long, value_name = "LENGTH", allow_negative_numbers = true)]
     radius: Option<f64>,
     /// How photons count by their distance; epanechnikov by default.
     #[arg(long, value_enum)]
     kernel: Option<Kernel>,
-    /// How an estimate chooses its radius; adaptive by default.
+    /// How far photons count; adaptive by default.
     #[arg(long, value_enum)]
     estimate: Option<Estimate>,
     /// At which wavelengths photons that depend on them are thrown: continuous (the default), or at a single one for each band.
@@ -54,9 +54,9 @@ enum Kernel {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum Estimate {
-    /// The radius for which variance and bias together are least.
+    /// As far as light about them is even, so that variance and bias together are small.
     Adaptive,
-    /// The distance of the farthest of the nearest photons.
+    /// As far as the farthest of the nearest photons.
     Nearest,
 }
 

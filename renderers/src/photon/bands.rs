@@ -7,9 +7,9 @@ use std::collections::HashMap;
 use std::sync::{Mutex, OnceLock};
 
 use super::curves::Curves;
+use super::footprints::{Footprint, Footprints};
 use super::map::Region;
 use super::motion::Motion;
-use super::passing::Ways;
 use super::{Emission, Photon, PhotonMap, Spectra};
 use crate::spectral::Band;
 
@@ -28,40 +28,33 @@ pub struct BandReport {
 const PARTS: f32 = 3.0;
 
 /// Photons to be found, and the products of spectra that they refer to.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(super) struct Thrown {
     pub(super) map: PhotonMap,
     pub(super) spectra: Arc<Spectra>,
     /// What a flux is worth, for each product.
     brightness: Vec<f32>,
+    pub(super) footprints: Footprints,
     /// How photons move with the wavelength, if that is known: those of the map, and of another the parts of their ways where these have no photon.
-    ways: Option<Box<[Moving; 2]>>,
+    ways: Option<Box<Moving>>,
 }
 
-/// How the photons of a map move.
+/// How the photons of a map move (until it is said how far they count), and others that do.
 #[derive(Debug)]
 struct Moving {
-    /// The map, unless it is that of all photons.
-    others: Option<PhotonMap>,
     motions: Vec<Motion>,
-    ways: Ways,
-}
-
-impl Moving {
-    /// The motions are in the order of the map.
-    fn new(map: &PhotonMap, motions: Vec<Motion>) -> Self {
-        Self { others: None, ways: Ways::new(map, &motions), motions }
-    }
-
-    fn bytes(&self) -> usize {
-        self.others.as_ref().map_or(0, PhotonMap::bytes) + size_of_val(self.motions.as_slice()) + self.ways.bytes()
-    }
+    others: PhotonMap,
+    of_others: Vec<Motion>,
+    footprints: Footprints,
+    /// The least number of steps in which their light is found.
+    steps: u16,
 }
 
 impl Thrown {
+    /// Photons that don't count anywhere until it is said how far they do.
     pub(super) fn new(photons: Vec<Photon>, spectra: Arc<Spectra>, emission: &Emission<'_>) -> Self {
         let brightness = emission.brightness(&spectra);
-        Self { map: PhotonMap::new(photons), spectra, brightness, ways: None }
+        Self { map: PhotonMap::new(photons), spectra, brightness, footprints: Footprints::default(), ways: None }
     }
 
     /// The photons of all paths, each at a wavelength in nm of its own, that are known at all others, too: where they move far, their ways are
@@ -83,10 +76,27 @@ impl Thrown {
         curves.others(&wavelength_of, PARTS * usual, &mut rest);
         let others = PhotonMap::new(rest.0);
         let of_others = others.origins().iter().filter_map(|origin| rest.1.get(*origin as usize).copied()).collect();
-        let of_others = Moving::new(&others, of_others);
-        let own = Moving::new(&thrown.map, motions);
-        thrown.ways = Some(Box::new([own, Moving { others: Some(others), ..of_others }]));
+        let (footprints, steps) = (Footprints::default(), curves.steps());
+        thrown.ways = Some(Box::new(Moving { motions, others, of_others, footprints, steps }));
         thrown
+    }
+
+    /// The same, with how far photons count: for each leaf of the map. Parts of ways count as far as the photons do that are there; where there are
+    /// none, as far as is said.
+    pub(super) fn spread(mut self, radii: Vec<Footprint>, alone: Footprint) -> Self {
+        let Self { map, ways, .. } = &mut self;
+        let moving = ways.as_ref().map(|ways| (ways.motions.as_slice(), ways.steps));
+        let footprints = Footprints::new(map, radii, moving);
+        if let Some(ways) = ways {
+            let radius = |numbers: core::ops::Range<usize>| {
+                let photon = ways.others.photons().get(numbers.start)?;
+                footprints.at(map, photon.surface, photon.position)
+            };
+            let radii = ways.others.leaves_photons().map(|numbers| radius(numbers).unwrap_or(alone)).collect();
+            ways.footprints = Footprints::new(&ways.others, radii, Some((&ways.of_others, ways.steps)));
+            (ways.motions, ways.of_others) = (Vec::new(), Vec::new());
+        }
+        Self { footprints, ..self }
     }
 
     /// Whether it is known how photons move.
@@ -94,15 +104,18 @@ impl Thrown {
         self.ways.is_some()
     }
 
-    /// Calls with photons that may come into a region of a surface, and how they move.
-    pub(super) fn passing(&self, surface: u32, region: &Region, mut call: impl FnMut(&Photon, &Motion)) {
-        for Moving { others, motions, ways } in self.ways.iter().flat_map(|ways| ways.iter()) {
-            let map = others.as_ref().unwrap_or(&self.map);
-            ways.passing(map, surface, region, |number| {
-                if let (Some(photon), Some(motion)) = (map.photons().get(number as usize), motions.get(number as usize))
-                {
-                    call(photon, motion);
-                }
+    /// Calls with photons that may count in a region of a surface at some wavelength, of which some are in the order of the leaf, and how far they
+    /// count.
+    pub(super) fn passing(
+        &self,
+        surface: u32,
+        region: &Region,
+        mut call: impl FnMut(&super::ways::Ways, &[Photon], Footprint),
+    ) {
+        let Some(ways) = &self.ways else { return };
+        for (map, footprints) in [(&self.map, &self.footprints), (&ways.others, &ways.footprints)] {
+            footprints.passing(map, surface, region, |ways, first, footprint| {
+                call(ways, map.photons().get(first as usize..).unwrap_or_default(), footprint);
             });
         }
     }
@@ -113,7 +126,14 @@ impl Thrown {
     }
 
     pub(super) fn bytes(&self) -> usize {
-        self.map.bytes() + self.ways.iter().flat_map(|ways| ways.iter()).map(Moving::bytes).sum::<usize>()
+        self.map.bytes() + self.footprints.bytes() + self.ways.as_ref().map_or(0, |ways| ways.bytes())
+    }
+}
+
+impl Moving {
+    fn bytes(&self) -> usize {
+        let motions = size_of_val(self.motions.as_slice()) + size_of_val(self.of_others.as_slice());
+        motions + self.others.bytes() + self.footprints.bytes()
     }
 }
 

@@ -508,10 +508,8 @@ mod tests {
             curves.others(own, 0.0, &mut rest);
             motions.extend(rest.1);
             for node in 0..=8_u16 {
-                let is_there = |motion: &&crate::photon::motion::Motion| {
-                    let [first, end] = motion.past(&photons[0], glam::Vec3A::ZERO).nodes(8);
-                    (first..end).contains(&node)
-                };
+                let at = f32::from(node) / 8.0;
+                let is_there = |motion: &&crate::photon::motion::Motion| motion.at(&photons[0], at).is_some();
                 assert_eq!(motions.iter().filter(is_there).count(), 100, "{keys:?} {node}");
             }
         }
@@ -541,20 +539,9 @@ mod tests {
                     let to = curves.between(wavelength) as f32;
                     let mut found = Vec::new();
                     for (photon, motion) in photons.iter().zip(&motions) {
-                        let moving = motion.past(photon, glam::Vec3A::ZERO);
-                        let [first, end] = moving.nodes(1000);
-                        #[allow(
-                            clippy::cast_possible_truncation,
-                            clippy::cast_sign_loss,
-                            reason = "a number of a node"
-                        )]
-                        let node = (to * 1000.0).round() as u16;
-                        let is_at_node = (f32::from(node) / 1000.0 - to).abs() < 1e-6;
-                        let is_there = motion.limits[0] <= to && (to < motion.limits[1] || motion.limits[1] >= 1.0);
-                        assert!(!is_at_node || is_there == (first..end).contains(&node), "{motion:?} {node}");
-                        if is_there {
-                            assert!((moving.at(to).1 - 1.0).abs() <= 1e-6);
-                            found.push((moving.at(to).0.sqrt(), photon.surface));
+                        if let Some((place, flux)) = motion.at(photon, to) {
+                            assert!((flux - 1.0).abs() <= 1e-6);
+                            found.push((glam::Vec3A::from_array(place).length(), photon.surface));
                         }
                     }
                     let mut exact: Vec<_> = throw(wavelength).iter().map(|s| s.photon).collect();

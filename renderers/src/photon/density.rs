@@ -7,6 +7,7 @@ use glam::DVec2;
 
 use super::Photon;
 use super::extent::Face;
+use super::footprints::Footprint;
 use super::kernel::Kernel;
 use super::map::{Near, PhotonMap, Region};
 
@@ -124,8 +125,10 @@ pub(crate) struct Estimate {
     /// How much of the estimate is there because the density is not the same all over the kernel, in the same unit and with its sign: what
     /// noise doesn't explain of the difference to a smaller radius.
     pub(crate) bias: f64,
-    /// The radius, in scene units; 0 if nothing was found.
+    /// The radius, in scene units; 0 if nothing was found. The mean of radii, by their light, where photons have their own.
     pub(crate) radius: f32,
+    /// The sum of contributions times the radii of photons that have their own.
+    radii: f64,
 }
 
 impl Estimate {
@@ -154,11 +157,46 @@ impl Estimate {
         if self.standard_error > 0.0 { (1.0 + (self.bias / self.standard_error).powi(2)).sqrt() } else { 0.0 }
     }
 
+    /// Forgets all photons.
+    pub(super) fn start(&mut self) {
+        self.clear();
+    }
+
+    /// Adds a photon by its number, its weight, what its flux is worth, and how far it counts with which relative bias.
+    pub(super) fn add(&mut self, photon: u32, weight: f32, brightness: f32, (radius, bias): (f32, f32)) {
+        if !(weight > 0.0) {
+            return;
+        }
+        self.near.push(Near { distance2: 0.0, photon });
+        self.weights.push(weight);
+        self.brightness.push(brightness);
+        let contribution = f64::from(weight) * f64::from(brightness);
+        self.value += contribution;
+        self.standard_error += contribution * contribution;
+        self.bias += contribution * f64::from(bias);
+        self.radii += contribution * f64::from(radius);
+    }
+
+    /// The mean of the radii of all photons added, by their light; 0 if there is none.
+    #[allow(clippy::cast_possible_truncation, reason = "a mean of numbers of this size")]
+    pub(super) fn mean_radius(&self) -> f32 {
+        if self.value > 0.0 { (self.radii / self.value) as f32 } else { 0.0 }
+    }
+
+    /// Multiplies all weights: nothing is added after that.
+    #[allow(clippy::cast_possible_truncation, reason = "as precise as weights")]
+    pub(super) fn finish(&mut self, scale: f64) {
+        self.weights.iter_mut().for_each(|weight| *weight *= scale as f32);
+        (self.value, self.bias) = (self.value * scale, self.bias * scale);
+        self.standard_error = self.standard_error.sqrt() * scale;
+        self.radius = self.mean_radius();
+    }
+
     fn clear(&mut self) {
         self.near.clear();
         self.weights.clear();
         self.brightness.clear();
-        (self.value, self.standard_error, self.bias, self.radius) = (0.0, 0.0, 0.0, 0.0);
+        (self.value, self.standard_error, self.bias, self.radius, self.radii) = (0.0, 0.0, 0.0, 0.0, 0.0);
     }
 }
 
@@ -197,64 +235,74 @@ impl Density {
         brightness: impl Fn(&Photon) -> f32,
         estimate: &mut Estimate,
     ) {
+        if let Some((levels, level)) = self.look_around(map, (place, None), brightness, estimate) {
+            estimate.bias = levels.bias(level);
+            self.weigh(estimate, levels.mass_of(place, self.kernel, level), levels.radius2(level));
+        }
+    }
+
+    /// How far photons count about one of them, by its number and place: as an estimate there from all others has it.
+    #[allow(clippy::cast_possible_truncation, reason = "as precise as positions")]
+    pub(super) fn footprint(
+        &self,
+        map: &PhotonMap,
+        (place, own): (&Place<'_>, u32),
+        brightness: impl Fn(&Photon) -> f32,
+        estimate: &mut Estimate,
+    ) -> Footprint {
+        let Some((levels, level)) = self.look_around(map, (place, Some(own)), brightness, estimate) else {
+            let radius = if self.radius.is_finite() { self.radius } else { 0.0 };
+            return Footprint { radius, bias: 0.0 };
+        };
+        let (value, bias) = (levels.values[level], levels.bias(level));
+        let bias = if value > 0.0 { (bias / value) as f32 } else { 0.0 };
+        // As if the face went on: where photons are evenly dense, all count equally far, beside an edge too.
+        let share = if levels.is_widest { 1.0 } else { levels.mass_of(place, Kernel::Constant, level) };
+        let radius2 = levels.radius2(level) * share;
+        Footprint { radius: radius2.sqrt() as f32, bias }
+    }
+
+    /// Finds the photons about a place, but for one, and chooses between radii; `None` if there are none.
+    fn look_around(
+        &self,
+        map: &PhotonMap,
+        (place, without): (&Place<'_>, Option<u32>),
+        brightness: impl Fn(&Photon) -> f32,
+        estimate: &mut Estimate,
+    ) -> Option<(Levels, usize)> {
         estimate.clear();
         let coordinate = place.position.iter().fold(0.0, |most: f32, x| most.max(x.abs()));
         let smallest = self.smallest.max(RESOLUTION * coordinate).max(LEAST_RADIUS);
         let region = region(place, self.radius.max(smallest), coordinate);
-        map.nearest(place.surface, &region, self.count, &mut estimate.near);
-        let Some(last) = estimate.near.last() else { return };
+        let find = |region: &Region, count: usize, near: &mut Vec<Near>| {
+            map.nearest(place.surface, region, count.saturating_add(usize::from(without.is_some())), near);
+            near.retain(|near| Some(near.photon) != without);
+            near.truncate(count);
+        };
+        find(&region, self.count, &mut estimate.near);
+        let last = estimate.near.last()?;
         let reaches = estimate.near.len() == self.count || region.radius.is_infinite();
         let square = |radius: f32| f64::from(radius) * f64::from(radius);
         let mut radius2 = if reaches { f64::from(last.distance2) } else { square(region.radius) };
         if radius2 < square(smallest) {
             radius2 = square(smallest);
-            map.nearest(place.surface, &Region { radius: smallest, ..region }, usize::MAX, &mut estimate.near);
+            find(&Region { radius: smallest, ..region }, usize::MAX, &mut estimate.near);
         }
         estimate.look(map, place, brightness);
-        let levels = Levels::new(estimate, place, radius2, square(smallest));
+        let levels = Levels::new(estimate, place, [radius2, square(smallest)], !reaches);
         let level = match self.choice {
             Choice::Count => 0,
             Choice::Agreement(bound) => levels.choose(f64::from(bound)),
         };
-        estimate.bias = levels.bias(level);
-        self.weigh(estimate, levels.mass_of(place, self.kernel, level), levels.radius2(level));
+        Some((levels, level))
     }
 
-    /// The same with a radius that was chosen before, in scene units: all photons within it count, and nothing is said of bias.
-    ///
-    /// Estimates from photons that differ a little differ a little, then, where a radius of their own might jump.
-    pub(crate) fn estimate_within(
-        &self,
-        map: &PhotonMap,
-        place: &Place<'_>,
-        radius: f32,
-        brightness: impl Fn(&Photon) -> f32,
-        estimate: &mut Estimate,
-    ) {
-        estimate.clear();
-        map.within(place.surface, &region_of(place, radius), &mut estimate.near);
-        estimate.near.retain(|near| near.distance2 < radius * radius);
-        estimate.look(map, place, brightness);
-        self.weigh_within(place, radius, estimate);
-    }
-
-    /// What the kernel's values are multiplied by for weights per square scene unit about a place, with a radius in scene units.
-    pub(crate) fn scale_within(&self, place: &Place<'_>, radius: f32) -> f64 {
-        let radius = f64::from(radius);
-        1.0 / (radius * radius * self.mass_within(place, radius))
-    }
-
-    /// The kernel's share on the face of a place.
-    fn mass_within(&self, place: &Place<'_>, radius: f64) -> f64 {
+    /// The kernel's share on the face of a place, for a radius in scene units.
+    pub(super) fn mass_within(&self, place: &Place<'_>, radius: f64) -> f64 {
         place.face.map_or(1.0, |face| {
             let point = face.place(place.position);
             if radius > face.clearance(point) { face.mass(self.kernel, point, radius) } else { 1.0 }
         })
-    }
-
-    fn weigh_within(&self, place: &Place<'_>, radius: f32, estimate: &mut Estimate) {
-        let radius = f64::from(radius);
-        self.weigh(estimate, self.mass_within(place, radius), radius * radius);
     }
 
     /// The relative standard error of estimates from [`count`](Self::count) photons where irradiance is uniform, however dense photons are.
@@ -336,15 +384,17 @@ struct Levels {
     point: DVec2,
     /// The distance to the end of the face.
     clearance: f64,
+    /// Whether the largest radius is that which is allowed, not that of a number of photons.
+    is_widest: bool,
 }
 
 impl Levels {
     /// From the photons found, from near to far, and their brightness, with the squares of the largest and smallest radius.
-    fn new(estimate: &Estimate, place: &Place<'_>, radius2: f64, smallest2: f64) -> Self {
+    fn new(estimate: &Estimate, place: &Place<'_>, [radius2, smallest2]: [f64; 2], is_widest: bool) -> Self {
         let point = place.face.map_or(DVec2::ZERO, |face| face.place(place.position));
         let clearance = place.face.map_or(f64::INFINITY, |face| face.clearance(point));
         let [values, fluxes, areas] = [[0.0; LEVELS]; 3];
-        let mut levels = Self { radius2, count: 1, values, fluxes, areas, point, clearance };
+        let mut levels = Self { radius2, count: 1, values, fluxes, areas, point, clearance, is_widest };
         let photons = estimate.near.len();
         while levels.count < LEVELS && photons >> levels.count >= FEWEST && levels.radius2(levels.count) >= smallest2 {
             levels.count += 1;

@@ -165,9 +165,16 @@ impl PhotonMap {
         found.sort_unstable_by_key(Near::key);
     }
 
-    /// The same for all photons within the region, in an order that depends on the map and the region alone.
-    pub(crate) fn within(&self, surface: u32, region: &Region, found: &mut Vec<Near>) {
+    /// All photons within the region, in an order that depends on the map and the region alone.
+    pub(super) fn within(&self, surface: u32, region: &Region, found: &mut Vec<Near>) {
         self.search(surface, region, usize::MAX, found);
+    }
+
+    /// The number of the leaf that a photon is in.
+    pub(super) fn leaf_of(&self, photon: u32) -> Option<usize> {
+        let photon = photon as usize;
+        let tree = self.trees.get(self.trees.partition_point(|tree| tree.photons.end <= photon))?;
+        Some(tree.leaves.start + (photon - tree.photons.start) / LEAF)
     }
 
     fn search(&self, surface: u32, region: &Region, count: usize, found: &mut Vec<Near>) {
@@ -189,6 +196,37 @@ impl PhotonMap {
         &self.trees
     }
 
+    /// The numbers of each leaf's photons, leaf by leaf.
+    pub(super) fn leaves_photons(&self) -> impl Iterator<Item = Range<usize>> {
+        self.trees.iter().flat_map(Tree::leaves_photons)
+    }
+
+    /// That of some photons, and its number, which is nearest to the middle of all.
+    #[allow(clippy::cast_precision_loss, clippy::cast_possible_truncation, reason = "few photons, numbered by 32 bits")]
+    pub(super) fn middle_of(&self, numbers: Range<usize>) -> Option<(u32, &Photon)> {
+        let photons = self.photons.get(numbers.clone())?;
+        let sum = photons.iter().fold([0.0; 3], |sum, photon| core::array::from_fn(|i| sum[i] + photon.position[i]));
+        let middle = sum.map(|x: f32| x / photons.len() as f32);
+        let distance2 = |photon: &Photon| square(core::array::from_fn(|i| photon.position[i] - middle[i]));
+        let nearest = |a: &(u32, &Photon), b: &(u32, &Photon)| distance2(a.1).total_cmp(&distance2(b.1));
+        (numbers.start as u32..).zip(photons).min_by(nearest)
+    }
+
+    /// The leaf among whose photons of a surface a position is; `None` if the surface has none.
+    pub(super) fn leaf_at(&self, surface: u32, position: [f32; 3]) -> Option<usize> {
+        let mut branch = self.tree(surface)?.leaves.clone();
+        while branch.len() > 1 {
+            let middle = usize::midpoint(branch.start, branch.end);
+            let node = self.nodes[middle];
+            if position[node.axis as usize] < node.split {
+                branch.end = middle;
+            } else {
+                branch.start = middle;
+            }
+        }
+        Some(branch.start)
+    }
+
     /// About how far apart photons are that stand for light together, in scene units, for each in the map's order: half the diagonal of the box
     /// of a few leaves around it.
     pub(super) fn spacings(&self) -> Vec<f32> {
@@ -205,7 +243,7 @@ impl PhotonMap {
     }
 
     /// A bit for each photon of a leaf within a region whose radius is that of this square, and the squares of all distances.
-    fn distances(&self, leaf: usize, region: &Region, limit: f32) -> ([f32; LEAF], u32) {
+    pub(super) fn distances(&self, leaf: usize, region: &Region, limit: f32) -> ([f32; LEAF], u32) {
         let Region { position: p, normal: n, thickness, slope, .. } = *region;
         let [x, y, z] = &self.leaves[leaf];
         let mut distances = [0.0; LEAF];
@@ -532,6 +570,24 @@ mod tests {
                 }
             }
         }
+    }
+
+    /// The leaf of a photon's place is its own, as no two have the same coordinate.
+    #[test]
+    fn photons_are_in_the_leaves_of_their_places() {
+        let mut input = photons(5000, None, 4);
+        let mut random = Random::new(5);
+        input.iter_mut().for_each(|photon| photon.position[2] = random.next());
+        let map = PhotonMap::new(input);
+        for (leaf, numbers) in map.leaves_photons().enumerate() {
+            let own = &map.photons()[numbers.clone()];
+            let is_here = |photon: &&Photon| map.leaf_at(photon.surface, photon.position) == Some(leaf);
+            assert_eq!(own.iter().filter(is_here).count(), own.len(), "{leaf}");
+            assert!(numbers.clone().all(|photon| map.leaf_of(u32::try_from(photon).unwrap()) == Some(leaf)));
+            let (middle, photon) = map.middle_of(numbers.clone()).unwrap();
+            assert!(numbers.contains(&(middle as usize)) && map.photons()[middle as usize] == *photon);
+        }
+        assert_eq!(map.leaf_at(4, [0.0; 3]), None);
     }
 
     #[test]

@@ -2,21 +2,26 @@
 //! of waves.
 
 use alloc::sync::Arc;
+use core::ops::Range;
+
+use rayon::prelude::*;
 
 use super::bands::{BandReport, Bands, Slot, Thrown};
 use super::curves::{self, Curves};
 use super::density::region_of;
+use super::footprints::{Footprint, evened};
+use super::passing::Wanted;
 use super::reached::Reached;
 use super::waves::{Bundle, Waves};
 use super::{
-    Account, Density, Emission, Emitted, Estimate, Extents, Moving, Photon, PhotonMap, Place, Prefix, Scattered,
-    Spectra, surface,
+    Account, Density, Emission, Emitted, Estimate, Extents, Photon, PhotonMap, Place, Prefix, Scattered, Spectra,
+    surface,
 };
 use crate::geometry::{Hit, Ray};
 use crate::radiosity::Deposit;
 use crate::scene::Scene;
 use crate::spectral::Band;
-use crate::whitted::{Arrived, Arriving, Caustics, Passing, Reach, Whitted};
+use crate::whitted::{Arrived, Arriving, Caustics, Ways, Whitted};
 use spectral_core::interval::{FIRST_WAVELENGTH, LAST_WAVELENGTH};
 
 /// How photons that depend on the wavelength are thrown for a band.
@@ -62,8 +67,6 @@ pub(crate) struct Maps<'s> {
 struct Interpolated {
     keys: Vec<f64>,
     curves: Curves,
-    /// In how many even steps there is one between any two keys.
-    steps: u16,
     spectra: Arc<Spectra>,
 }
 
@@ -76,6 +79,9 @@ const TRIED: usize = 4096;
 
 /// Bands are at least so wide, in nm: a 64th of all waves.
 const NARROWEST: f64 = 6.25;
+
+/// Leaves of photons whose radii a thread chooses together.
+const LEAVES: usize = 64;
 
 /// Of how many photons' places errors are taken.
 const PLACES: usize = 1024;
@@ -92,10 +98,6 @@ const PROBED: usize = 512;
 
 /// How much fluxes may change, relative to themselves, within a band whose parts don't have photons of their own.
 const CHANGE: f64 = 0.02;
-
-/// In how many steps light is found at a place while photons move by the radius of its estimate, and in how many at most: a power of two.
-const STEPS: f32 = 2.0;
-const MOST_STEPS: u16 = 128;
 
 /// How far, relative to the radius of an estimate, photons may be from where they are thought to be.
 const NEAR: f32 = 0.1;
@@ -129,6 +131,8 @@ impl<'s> Maps<'s> {
             account,
             emission,
         };
+        let radii = maps.radii(&maps.even);
+        maps.even = core::mem::take(&mut maps.even).spread(radii, maps.alone());
         if !maps.prefixes.is_empty() {
             maps.usual = maps.usual_radius();
             let are_bands_asked = rethrow == Rethrow::Traced || !maps.waves.is_continuous();
@@ -140,7 +144,7 @@ impl<'s> Maps<'s> {
                 maps.curves = Some(maps.interpolated(NEAR * maps.usual));
             }
             let whole = maps.bands.get(WHOLE);
-            whole.thrown(|band| maps.throw(band));
+            whole.thrown(|band| maps.spread(maps.throw(band)));
             maps.whole = Some(whole);
             if !are_bands_asked && let Some(known) = &mut maps.curves {
                 // All is in the map.
@@ -211,7 +215,7 @@ impl<'s> Maps<'s> {
             (*wavelength, sorted(photons))
         };
         let curves = Curves::new(&keys.iter().map(&mut thrown).collect::<Vec<_>>());
-        Interpolated { keys, steps: curves.steps(), curves, spectra: Arc::new(spectra) }
+        Interpolated { keys, curves, spectra: Arc::new(spectra) }
     }
 
     /// About the radius of an estimate where there are photons: that of some of them, among which photons are farther apart.
@@ -225,6 +229,14 @@ impl<'s> Maps<'s> {
     /// One path in so many is tried.
     fn stride(&self) -> usize {
         self.prefixes.len().div_ceil(TRIED).max(1)
+    }
+
+    /// How far photons count about a hit whose ways depend on the wavelength.
+    fn radius_at(&self, hit: &Hit) -> f32 {
+        let whole = self.whole.as_ref().and_then(|slot| slot.thrown.get());
+        let surface = surface(hit.shape, hit.front);
+        let known = whole.and_then(|whole| whole.footprints.at(&whole.map, surface, hit.position.to_array()));
+        known.unwrap_or(self.alone()).radius
     }
 
     /// The photons of a band.
@@ -249,6 +261,49 @@ impl<'s> Maps<'s> {
         Thrown::new(photons, Arc::new(spectra), self.emission)
     }
 
+    /// The same with how far they count: by themselves, if they are the first that depend on the wavelength, or else as far as these, so that estimates
+    /// for bands differ by nothing else.
+    fn spread(&self, thrown: Thrown) -> Thrown {
+        let whole = self.whole.as_ref().and_then(|slot| slot.thrown.get());
+        let radii = match whole {
+            None => self.radii(&thrown),
+            Some(whole) => {
+                let radius = |numbers: Range<usize>| {
+                    let photon = thrown.map.photons().get(numbers.start)?;
+                    whole.footprints.at(&whole.map, photon.surface, photon.position)
+                };
+                thrown.map.leaves_photons().map(|numbers| radius(numbers).unwrap_or(self.alone())).collect()
+            }
+        };
+        thrown.spread(radii, self.alone())
+    }
+
+    /// How far photons count, for each leaf of a map: as is best about one in its middle, and evened out.
+    fn radii(&self, thrown: &Thrown) -> Vec<Footprint> {
+        let map = &thrown.map;
+        let radius = |scratch: &mut Estimate, numbers: Range<usize>| {
+            let (number, photon) = map.middle_of(numbers)?;
+            let hit = self.hit(photon)?;
+            let worth = |photon: &Photon| thrown.worth(photon);
+            let Footprint { radius, bias } = self.density.footprint(map, (&self.place(&hit), number), worth, scratch);
+            Some(Footprint { radius: radius * self.shrink, bias: bias * self.shrink * self.shrink })
+        };
+        let leaves: Vec<Range<usize>> = map.leaves_photons().collect();
+        let leaves = leaves.into_par_iter().with_min_len(LEAVES);
+        evened(
+            map,
+            &leaves
+                .map_init(Estimate::default, |s, numbers| radius(s, numbers).unwrap_or(self.alone()))
+                .collect::<Vec<_>>(),
+        )
+    }
+
+    /// How far photons count that are alone.
+    fn alone(&self) -> Footprint {
+        let radius = self.density.radius * self.shrink;
+        Footprint { radius: if radius.is_finite() { radius } else { 0.0 }, bias: 0.0 }
+    }
+
     /// What there is about a hit.
     fn place(&self, hit: &Hit) -> Place<'_> {
         let side = if hit.front { 1.0 } else { -1.0 };
@@ -261,91 +316,11 @@ impl<'s> Maps<'s> {
         }
     }
 
-    /// Estimates the light of a place, and chooses the reach by that.
-    fn reach_in(&self, thrown: &Thrown, place: &Place<'_>, least: f32, scratch: &mut Estimate) -> Option<Reach> {
-        let density = Density { smallest: least.min(self.density.radius), ..self.density };
-        density.estimate(&thrown.map, place, |photon| thrown.worth(photon), scratch);
-        let bias = if scratch.value > 0.0 { scratch.bias / scratch.value } else { 0.0 };
-        let shrink = self.shrink;
-        let reach = Reach {
-            radius: scratch.radius * shrink,
-            value: scratch.value,
-            bias: bias * f64::from(shrink * shrink),
-            error: scratch.error_of_a_photon(),
-        };
-        (reach.radius > 0.0).then_some(reach)
-    }
-
-    /// Finds the light of the photons that pass a place, at as many wavelengths as it takes for how fast they are.
-    fn find_passing(&self, thrown: &Thrown, place: &Place<'_>, reach: Reach, found: &mut Arrived) {
-        let Arrived { candidates, distances, passing, irradiances, .. } = found;
-        candidates.clear();
-        passing.clear();
-        irradiances.clear();
-        distances.clear();
-        let position = glam::Vec3A::from_array(place.position);
-        let mut region = region_of(place, reach.radius);
-        if place.face.is_none() {
-            // On a curved surface photons are this far from where they are thought to be.
-            region.thickness += NEAR * self.usual;
-        }
-        thrown.passing(place.surface, &region, |photon, motion| {
-            if place.sees(photon) {
-                candidates.push(motion.past(photon, position));
-            }
-        });
-        distances.extend(candidates.iter().map(Moving::speed));
-        let radii = curves::of_nine_in_ten(distances) / reach.radius;
-        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "within limits")]
-        let steps = ((STEPS * radii).ceil().clamp(1.0, f32::from(MOST_STEPS)) as u16).next_power_of_two();
-        // Fluxes change from key to key, too, where photons hardly move.
-        let steps = steps.max(self.curves.as_ref().map_or(1, |known| known.steps));
-        found.steps = steps;
-        let (kernel, scale) = (self.density.kernel, self.density.scale_within(place, reach.radius));
-        #[allow(clippy::cast_possible_truncation, reason = "numbers of this size")]
-        let (scale, by_radius) = (scale as f32, 1.0 / (reach.radius * reach.radius));
-        for moving in candidates.iter() {
-            let start = irradiances.len();
-            let [first, end] = moving.nodes(steps);
-            for node in first..end {
-                let (distance2, flux) = moving.at(f32::from(node) / f32::from(steps));
-                irradiances.push(flux * scale * kernel.value(distance2 * by_radius));
-            }
-            let direction = glam::Vec3A::from_array(moving.direction).as_dvec3();
-            passing.push(Passing {
-                direction,
-                spectrum: moving.spectrum,
-                first,
-                irradiances: start..irradiances.len(),
-            });
-        }
-    }
-
-    /// Finds a share of the light that reaches a hit, within a reach or by one that is chosen, with the least radius.
-    fn find(
-        &self,
-        (thrown, share): (&Thrown, f64),
-        hit: &Hit,
-        reach: Result<Reach, f32>,
-        found: &mut Arrived,
-    ) -> Arc<Spectra> {
-        let Thrown { map, spectra, .. } = thrown;
-        let (place, scratch, worth) = (self.place(hit), &mut found.scratch, |photon: &Photon| thrown.worth(photon));
-        match reach {
-            Err(least) => {
-                let Some(Reach { radius, bias, .. }) = self.reach_in(thrown, &place, least, scratch) else {
-                    return Arc::clone(spectra);
-                };
-                if self.shrink < 1.0 {
-                    self.density.estimate_within(map, &place, radius, worth, scratch);
-                    scratch.bias = bias * scratch.value;
-                }
-            }
-            Ok(Reach { radius, bias, .. }) => {
-                self.density.estimate_within(map, &place, radius, worth, scratch);
-                scratch.bias = bias * scratch.value;
-            }
-        }
+    /// Finds a share of the light that reaches a hit by photons that don't move.
+    fn find(&self, (thrown, share): (&Thrown, f64), hit: &Hit, least: f32, found: &mut Arrived) -> Arc<Spectra> {
+        let Thrown { map, spectra, footprints, .. } = thrown;
+        let worth = |photon: &Photon| thrown.worth(photon);
+        self.density.estimate_by((map, footprints), (&self.place(hit), least), worth, &mut found.scratch);
         let (photons, error) = (map.photons(), found.scratch.error_of_a_photon());
         for (number, weight) in found.scratch.photons() {
             let Some(photon) = photons.get(number as usize) else { continue };
@@ -369,7 +344,8 @@ impl<'s> Maps<'s> {
             let stride = map.len().div_ceil(PLACES).max(1);
             for photon in map.photons().iter().step_by(stride) {
                 let Some(hit) = self.hit(photon) else { continue };
-                self.density.estimate(map, &self.place(&hit), |photon| thrown.worth(photon), &mut estimate);
+                let (place, worth) = (self.place(&hit), |photon: &Photon| thrown.worth(photon));
+                self.density.estimate_by((map, &thrown.footprints), (&place, 0.0), worth, &mut estimate);
                 if estimate.value > 0.0 {
                     let error = estimate.relative_error().hypot(estimate.bias / estimate.value);
                     squares += error * error;
@@ -459,12 +435,12 @@ fn sorted(mut photons: Vec<Scattered>) -> Vec<Scattered> {
 }
 
 impl Caustics for Maps<'_> {
-    fn arriving(&self, hit: &Hit, least: f32, asked: Option<(Band, Reach)>, found: &mut Arrived) -> Arc<Spectra> {
-        let Some((band, reach)) = asked else { return self.find((&self.even, 1.0), hit, Err(least), found) };
+    fn arriving(&self, hit: &Hit, least: f32, band: Option<Band>, found: &mut Arrived) -> Arc<Spectra> {
+        let Some(band) = band else { return self.find((&self.even, 1.0), hit, least, found) };
         let mut spectra = None;
-        for (band, share) in self.standing_for(band, reach.radius, least).into_iter().flatten() {
+        for (band, share) in self.standing_for(band, self.radius_at(hit), least).into_iter().flatten() {
             let (slot, before) = (self.bands.get(band), found.list.len());
-            let own = self.find((slot.thrown(|band| self.throw(band)), share), hit, Ok(reach), found);
+            let own = self.find((slot.thrown(|band| self.spread(self.throw(band))), share), hit, least, found);
             spectra = Some(match spectra {
                 None => own,
                 Some(first) => renumbered(&mut found.list[before..], &own, first),
@@ -473,21 +449,20 @@ impl Caustics for Maps<'_> {
         spectra.unwrap_or_else(|| Arc::clone(&self.even.spectra))
     }
 
-    /// The radius is that for all waves, so that estimates for bands of them differ by nothing else. Where there are too few for that, as at
-    /// the ends of a spectrum, it is the largest.
-    fn reach(&self, hit: &Hit, least: f32, found: &mut Arrived) -> Option<Reach> {
-        let thrown = self.whole.as_ref()?.thrown.get()?;
-        if let Some(reach) = self.reach_in(thrown, &self.place(hit), least, &mut found.scratch) {
-            return Some(reach);
+    fn dispersed(&self, hit: &Hit, (least, alike): (f32, bool), band: Option<Band>, found: &mut Arrived) -> Ways {
+        let Some(thrown) = self.whole.as_ref().and_then(|slot| slot.thrown.get()) else { return Ways::None };
+        let place = self.place(hit);
+        let mut region = region_of(&place, least);
+        if thrown.is_moving() {
+            // As far as photons are from where they are thought to be: on curved surfaces, and by rounding.
+            region.thickness = 2.0 * region.thickness + if place.face.is_none() { NEAR * self.usual } else { 0.0 };
+            found.passed.find(thrown, (&place, &region), &self.density, Wanted { band, alike });
+            return Ways::Known(Arc::clone(&thrown.spectra));
         }
-        let radius = self.density.radius * self.shrink;
-        let may_come = thrown.is_moving() || self.reached.is_near(hit.position);
-        may_come.then_some(Reach { radius, value: 0.0, bias: 0.0, error: 1.0 })
-    }
-
-    fn passing(&self, hit: &Hit, reach: Reach, found: &mut Arrived) -> Option<Arc<Spectra>> {
-        let thrown = self.whole.as_ref()?.thrown.get().filter(|thrown| thrown.is_moving())?;
-        self.find_passing(thrown, &self.place(hit), reach, found);
-        Some(Arc::clone(&thrown.spectra))
+        let mut may_come = self.reached.is_near(hit.position);
+        if !may_come {
+            thrown.footprints.counting(&thrown.map, place.surface, &region, |_, _| may_come = true);
+        }
+        if may_come { Ways::ByBands } else { Ways::None }
     }
 }

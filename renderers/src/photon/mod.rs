@@ -3,7 +3,7 @@
 //! Photons are traced from the lights towards mirrors and glass, and kept where they meet a surface that scatters: paths L S⁺ D. Until a path
 //! meets a medium in which light behaves differently by wavelength, it stands for the whole spectrum, as a product of spectra. Behind such a
 //! medium it is thrown at a few wavelengths, between which it is found at all of them (or, if asked for, thrown again for each interval that a
-//! pixel asks for).
+//! pixel asks for). Each photon counts within a radius of its own, so that all of its light is there once.
 
 mod account;
 mod aim;
@@ -13,6 +13,7 @@ mod curves;
 mod density;
 mod emission;
 mod extent;
+mod footprints;
 mod gather;
 mod global;
 mod kernel;
@@ -32,6 +33,7 @@ mod target;
 mod thin;
 mod trace;
 mod waves;
+mod ways;
 
 pub(crate) use account::Account;
 pub use bands::BandReport;
@@ -44,7 +46,7 @@ pub use kernel::Kernel;
 pub(crate) use map::PhotonMap;
 pub(crate) use maps::Maps;
 pub use maps::Rethrow;
-pub(crate) use motion::Moving;
+pub(crate) use passing::Passed;
 pub(crate) use shades::Shades;
 pub(crate) use spectra::Spectra;
 pub(crate) use trace::Prefix;

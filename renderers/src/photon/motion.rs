@@ -1,4 +1,4 @@
-//! How photons move with the wavelength, and what is needed of one that passes a place.
+//! How photons move with the wavelength.
 
 use super::Photon;
 
@@ -15,21 +15,10 @@ pub(crate) struct Motion {
 }
 
 impl Motion {
-    #[cfg(test)]
-    pub(crate) const fn new(position: [f32; 3], flux: f32, at: f32, limits: [f32; 2]) -> Self {
-        Self { position, flux, at, limits }
-    }
-
     /// The same of the photon somewhere else.
     #[allow(clippy::cast_possible_truncation, reason = "photons are kept in f32")]
     pub(super) const fn about(self, at: f64) -> Self {
         Self { at: at as f32, ..self }
-    }
-
-    /// What the position of the photon changes by from 0 to 1, in scene units.
-    #[cfg(test)]
-    pub(crate) const fn way(&self) -> [f32; 3] {
-        self.position
     }
 
     /// The middle of its way, and from there to its end, in scene units.
@@ -39,53 +28,23 @@ impl Motion {
         (core::array::from_fn(|i| photon.position[i] + middle * self.position[i]), self.position.map(|way| half * way))
     }
 
-    /// What is needed of the photon about a place.
-    pub(crate) fn past(&self, photon: &Photon, place: glam::Vec3A) -> Moving {
-        let (way, offset) = (glam::Vec3A::from_array(self.position), glam::Vec3A::from_array(photon.position) - place);
-        Moving {
-            square: [offset.length_squared(), 2.0 * offset.dot(way), way.length_squared()],
-            flux: photon.flux,
-            change: self.flux,
-            at: self.at,
-            limits: self.limits,
-            direction: photon.direction,
-            spectrum: photon.spectrum,
-        }
-    }
-}
-
-/// A photon that moves with the wavelength past a place: what is needed of it again and again is together.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Moving {
-    /// The coefficients of the square of its distance, in square scene units, by how far it is from where it was found.
-    square: [f32; 3],
-    flux: f32,
-    change: f32,
-    at: f32,
-    limits: [f32; 2],
-    /// The unit vector to where it came from.
-    pub(crate) direction: [f32; 3],
-    /// The product of spectra that its flux is multiplied by.
-    pub(crate) spectrum: u32,
-}
-
-impl Moving {
-    /// From which node to which, the last not included, it is on its way, of nodes that are evenly spaced between the keys, by so many steps.
-    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "between 0 and the number of nodes")]
-    pub(crate) fn nodes(&self, steps: u16) -> [u16; 2] {
-        let [from, to] = self.limits.map(|limit| (limit * f32::from(steps)).ceil() as u16);
-        [from, if self.limits[1] >= 1.0 { steps + 1 } else { to }]
+    /// Where the photon would be at 0, and its flux there.
+    pub(super) fn start(&self, photon: &Photon) -> ([f32; 3], f32) {
+        let back = |now: f32, change: f32| now - self.at * change;
+        (core::array::from_fn(|i| back(photon.position[i], self.position[i])), back(photon.flux, self.flux))
     }
 
-    /// How fast it is: how far it would go from the first to the last key, in scene units.
-    pub(crate) fn speed(&self) -> f32 {
-        self.square[2].sqrt()
+    /// Where the photon is somewhere on its way, and its flux there; `None` where it isn't.
+    #[cfg(test)]
+    pub(super) fn at(&self, photon: &Photon, to: f32) -> Option<([f32; 3], f32)> {
+        let [from, end] = self.limits;
+        let (start, flux) = self.start(photon);
+        let is_there = to >= from && (to < end || end >= 1.0);
+        is_there.then(|| (core::array::from_fn(|i| start[i] + to * self.position[i]), flux + to * self.flux))
     }
 
-    /// The square of the photon's distance from the place, and its flux, somewhere on its way.
-    pub(crate) fn at(&self, to: f32) -> (f32, f32) {
-        let t = to - self.at;
-        let [constant, linear, quadratic] = self.square;
-        ((constant + t * (linear + t * quadratic)).max(0.0), (self.flux + self.change * t).max(0.0))
+    /// How fast it is: how far it would go from 0 to 1, in scene units.
+    pub(super) fn speed(&self) -> f32 {
+        glam::Vec3A::from_array(self.position).length()
     }
 }

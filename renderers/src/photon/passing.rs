@@ -1,203 +1,211 @@
-//! Photons that pass a place as the wavelength changes.
+//! Light of photons that pass a place as the wavelength changes.
 
-use super::map::{LEAF, PhotonMap, Region, Tree, WAITING, square};
-use super::motion::Motion;
+use core::ops::Range;
 
-/// The ways of a map's photons, each a straight line, in boxes: a hierarchy over the leaves of the map's trees.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Ways {
-    leaves: Vec<Leaf>,
-    /// For the node that parts two leaves the boxes of both its parts, by the index of the second leaf.
-    nodes: Vec<[Box3; 2]>,
+use glam::{DVec3, Vec3A};
+
+use super::bands::Thrown;
+use super::footprints::Footprint;
+use super::map::{LEAF, Region};
+use super::ways::{About, Ways};
+use super::{Density, Place};
+use crate::spectral::Band;
+use crate::whitted::nodes_of;
+
+/// The share of the light that may change in more steps than are looked at.
+const FASTEST: f64 = 0.1;
+
+/// Light that passes a place, with memory to find it.
+#[derive(Debug, Default)]
+pub(crate) struct Passed {
+    pub(crate) list: Vec<Passing>,
+    /// Irradiances for a spectrum of 1, and sums of the squares of what each photon has of them.
+    pub(crate) irradiances: Vec<f32>,
+    pub(crate) squares: Vec<f32>,
+    /// In how many steps it changes by 1/λ² over the visible wavelengths, most of it.
+    pub(crate) steps: u16,
+    /// What all irradiances are multiplied by, and the part of the error that each photon has, relative to its light: the squares of all parts add up
+    /// to that of the sum's standard error.
+    pub(crate) share: f64,
+    pub(crate) error: f64,
+    table: Vec<[f32; LEAF]>,
 }
 
-/// The middles of consecutive photons' ways, by axis, their halves from there on, and the inverse square of these, at most [`LARGEST`];
-/// infinite middles beyond the last photon of a tree.
+/// Light that reaches a surface at some wavelengths: from one direction, or from all where directions don't matter.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Passing {
+    /// The unit vector to where it comes from; zero for all directions.
+    pub(crate) direction: DVec3,
+    /// The product of spectra that it is multiplied by.
+    pub(crate) spectrum: u32,
+    /// In how many steps it is known.
+    pub(crate) steps: u16,
+    /// At the end of which step it is known first, and from there on at all: a part of [`Passed::irradiances`] and [`Passed::squares`].
+    pub(crate) first: u16,
+    pub(crate) known: Range<usize>,
+}
+
+/// What light is wanted.
 #[derive(Clone, Copy, Debug)]
-struct Leaf {
-    middle: [[f32; LEAF]; 3],
-    half: [[f32; LEAF]; 3],
-    inverse: [f32; LEAF],
+pub(super) struct Wanted {
+    /// The band that it is wanted for; all waves if there is none.
+    pub(super) band: Option<Band>,
+    /// Whether light from all directions counts alike.
+    pub(super) alike: bool,
 }
 
-/// Keeps products with it finite: so short a half is no way at all.
-const LARGEST: f32 = 1e30;
-
-/// The least and the largest coordinates.
-#[derive(Clone, Copy, Debug)]
-struct Box3 {
-    low: [f32; 3],
-    high: [f32; 3],
+/// Sums over leaves: of light, and of light times radii and times relative biases.
+#[derive(Clone, Copy, Debug, Default)]
+struct Sums {
+    light: f64,
+    radii: f64,
+    biases: f64,
 }
 
-impl Box3 {
-    const EMPTY: Self = Self { low: [f32::INFINITY; 3], high: [f32::NEG_INFINITY; 3] };
-
-    fn with(self, other: Self) -> Self {
-        Self {
-            low: core::array::from_fn(|i| self.low[i].min(other.low[i])),
-            high: core::array::from_fn(|i| self.high[i].max(other.high[i])),
-        }
-    }
-
-    /// The square of the distance from a point.
-    fn distance2(&self, p: [f32; 3]) -> f32 {
-        square(core::array::from_fn(|i| (self.low[i] - p[i]).max(p[i] - self.high[i]).max(0.0)))
-    }
-}
-
-impl Ways {
-    /// Those of the photons of a map, in its order.
-    pub(super) fn new(map: &PhotonMap, motions: &[Motion]) -> Self {
-        let (mut ways, mut boxes) = (Self::default(), Vec::new());
-        for tree in map.trees() {
-            for photons in tree.leaves_photons() {
-                let mut leaf =
-                    Leaf { middle: [[f32::INFINITY; LEAF]; 3], half: [[0.0; LEAF]; 3], inverse: [0.0; LEAF] };
-                let mut around = Box3::EMPTY;
-                let known = map.photons()[photons.clone()].iter().zip(motions.get(photons).unwrap_or_default());
-                for (i, (photon, motion)) in known.enumerate() {
-                    let (middle, half) = motion.middle(photon);
-                    for axis in 0..3 {
-                        (leaf.middle[axis][i], leaf.half[axis][i]) = (middle[axis], half[axis]);
-                    }
-                    leaf.inverse[i] = (1.0 / square(half)).min(LARGEST);
-                    // The ends as the search has them, and a little rounding.
-                    let slack = 4.0 * f32::EPSILON * middle.iter().fold(0.0, |most: f32, x| most.max(x.abs()));
-                    around = around.with(Box3 {
-                        low: core::array::from_fn(|i| middle[i] - half[i].abs() - slack),
-                        high: core::array::from_fn(|i| middle[i] + half[i].abs() + slack),
-                    });
-                }
-                ways.leaves.push(leaf);
-                boxes.push(around);
-            }
-        }
-        ways.nodes.resize(ways.leaves.len(), [Box3::EMPTY; 2]);
-        for tree in map.trees() {
-            ways.fill(&boxes, tree.leaves.start, tree.leaves.end);
-        }
-        ways
-    }
-
-    fn fill(&mut self, boxes: &[Box3], first: usize, end: usize) -> Box3 {
-        if end - first <= 1 {
-            return boxes.get(first).copied().unwrap_or(Box3::EMPTY);
-        }
-        let middle = usize::midpoint(first, end);
-        let parts = [self.fill(boxes, first, middle), self.fill(boxes, middle, end)];
-        self.nodes[middle] = parts;
-        parts[0].with(parts[1])
-    }
-
-    /// Calls with the numbers of photons whose ways come into a region of a surface, in an order that depends on the map and the region alone.
-    pub(super) fn passing(&self, map: &PhotonMap, surface: u32, region: &Region, mut call: impl FnMut(u32)) {
-        let Some(tree) = map.tree(surface) else { return };
-        let limit = (region.radius * region.radius).clamp(0.0, f32::MAX);
-        let mut branch = tree.leaves.start..tree.leaves.end;
-        let mut waiting = [(0, 0); WAITING];
-        let mut depth = 0;
-        loop {
-            while branch.len() > 1 {
-                let middle = usize::midpoint(branch.start, branch.end);
-                match self.nodes[middle].map(|part| part.distance2(region.position) <= limit) {
-                    [true, true] => {
-                        waiting[depth] = (middle, branch.end);
-                        depth += 1;
-                        branch.end = middle;
-                    }
-                    [true, false] => branch.end = middle,
-                    [false, true] => branch.start = middle,
-                    [false, false] => branch.end = branch.start,
-                }
-            }
-            if !branch.is_empty() {
-                self.scan(tree, branch.start, (region, limit), &mut call);
-            }
-            if depth == 0 {
-                return;
-            }
-            depth -= 1;
-            branch = waiting[depth].0..waiting[depth].1;
-        }
-    }
-
-    /// Calls with the photons of a leaf whose ways come into a region.
-    fn scan(&self, tree: &Tree, number: usize, (region, limit): (&Region, f32), call: &mut impl FnMut(u32)) {
-        let Region { position: p, normal: n, thickness, slope, .. } = *region;
-        let Leaf { middle: [x, y, z], half: [u, v, w], inverse } = &self.leaves[number];
-        let mut mask = 0_u32;
-        for i in 0..LEAF {
-            let d = [x[i] - p[0], y[i] - p[1], z[i] - p[2]];
-            let half = [u[i], v[i], w[i]];
-            let along = d[0] * half[0] + d[1] * half[1] + d[2] * half[2];
-            // To the nearest point of the way.
-            let t = (-along * inverse[i]).clamp(-1.0, 1.0);
-            let d = [d[0] + t * half[0], d[1] + t * half[1], d[2] + t * half[2]];
-            let distance2 = square(d);
-            let height = n[0] * d[0] + n[1] * d[1] + n[2] * d[2];
-            let counts = (distance2 <= limit) & (height * height <= thickness * thickness + slope * slope * distance2);
-            mask |= u32::from(counts) << i;
-        }
-        let first = tree.first_of(number);
-        while mask != 0 {
-            call(first + mask.trailing_zeros());
-            mask &= mask - 1;
-        }
-    }
-
-    pub(super) const fn bytes(&self) -> usize {
-        size_of::<Leaf>() * self.leaves.capacity() + size_of::<[Box3; 2]>() * self.nodes.capacity()
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::Ways;
-    use crate::photon::map::Region;
-    use crate::photon::motion::Motion;
-    use crate::photon::random::Random;
-    use crate::photon::{Photon, PhotonMap};
-
-    /// Found are all photons whose ways come near a place, and no others, by trying points of each.
-    #[test]
-    fn all_that_pass_are_found() {
-        let mut random = Random::new(5);
-        let mut next = |size: f32| [0; 2].map(|_| size * (random.next() * 2.0 - 1.0));
-        let mut photons = Vec::new();
-        let mut motions = Vec::new();
-        for number in 0..3000_u32 {
-            let ([x, y], size) = (next(1.0), [0.0, 1e-20, 0.01, 0.3][number as usize % 4]);
-            let [u, v] = next(size);
-            photons.push(Photon { position: [x, y, 0.0], flux: 1.0, surface: number % 3, ..Photon::default() });
-            motions.push(Motion::new([u, v, 0.0], 0.0, 0.25, [0.1, 0.7]));
-        }
-        let map = PhotonMap::new(photons.clone());
-        let in_order: Vec<Motion> = map.origins().iter().map(|origin| motions[*origin as usize]).collect();
-        let ways = Ways::new(&map, &in_order);
-        for place in 0..60_u32 {
-            let [x, y] = next(1.2);
-            let radius = [0.0, 0.01, 0.1, 3.0][place as usize % 4];
-            let region = Region { normal: [0.0, 0.0, 1.0], ..Region::ball([x, y, 0.0], radius) };
-            let mut found = Vec::new();
-            ways.passing(&map, place % 3, &region, |number| found.push(map.origins()[number as usize]));
-            found.sort_unstable();
-            assert!(found.windows(2).all(|pair| pair[0] < pair[1]));
-            assert!(found.iter().all(|number| photons[*number as usize].surface == place % 3));
-            let distance = |number: &u32| {
-                let (photon, motion) = (&photons[*number as usize], &motions[*number as usize]);
-                let at = |step: u16| {
-                    let t = 0.1 + 0.6 * f32::from(step) / 2000.0;
-                    let p: [f32; 2] = core::array::from_fn(|i| photon.position[i] + motion.way()[i] * (t - 0.25));
-                    (p[0] - x).hypot(p[1] - y)
-                };
-                (0..=2000).map(at).fold(f32::INFINITY, f32::min)
+impl Passed {
+    /// Finds the light of photons at a place.
+    pub(super) fn find(
+        &mut self,
+        thrown: &Thrown,
+        (place, region): (&Place<'_>, &Region),
+        density: &Density,
+        wanted: Wanted,
+    ) {
+        self.list.clear();
+        self.irradiances.clear();
+        self.squares.clear();
+        let mut sums = Sums::default();
+        thrown.passing(place.surface, region, |ways, photons, footprint| {
+            let Footprint { radius, bias } = footprint;
+            let nodes = wanted.band.map_or([0, ways.steps + 1], |band| nodes_of(band, ways.steps));
+            self.table.clear();
+            ways.light(About { region, radius, kernel: density.kernel }, nodes, &mut self.table);
+            let light = match ways.spectrum {
+                Some(spectrum) if wanted.alike && place.face.is_some() => self.add_all((ways, spectrum), nodes),
+                _ => self.add_each(ways, (place, photons), nodes, wanted.alike),
             };
-            let own = (0..3000).filter(|number| photons[*number as usize].surface == place % 3);
-            for number in own {
-                let (is_found, distance) = (found.contains(&number), distance(&number));
-                assert!(is_found == (distance <= radius) || (distance - radius).abs() <= 1e-3, "{number} {distance}");
+            let light = f64::from(light) / f64::from(nodes[1] - nodes[0]);
+            sums.light += light;
+            sums.radii += light * f64::from(radius);
+            sums.biases += light * f64::from(bias);
+        });
+        let radius = if sums.light > 0.0 { sums.radii / sums.light } else { 0.0 };
+        self.share = 1.0 / density.mass_within(place, radius);
+        self.judge(sums);
+    }
+
+    /// Adds up the light of all photons of a leaf, which are of one product; the sum at all wavelengths.
+    fn add_all(&mut self, (ways, spectrum): (&Ways, u32), nodes: [u16; 2]) -> f32 {
+        let sums = |row: &[f32; LEAF]| row.iter().fold([0.0; 2], |[sum, squares], x| [sum + x, squares + x * x]);
+        let total: f32 = self.table.iter().map(|row| sums(row)[0]).sum();
+        if total > 0.0 {
+            let known = self.known((ways.steps, spectrum), nodes);
+            let own = self.irradiances[known.clone()].iter_mut().zip(&mut self.squares[known]);
+            for ((irradiance, squares), row) in own.zip(&self.table) {
+                let [sum, square] = sums(row);
+                *irradiance += sum;
+                *squares += square;
             }
         }
+        total
+    }
+
+    /// The same one by one.
+    fn add_each(
+        &mut self,
+        ways: &Ways,
+        (place, photons): (&Place<'_>, &[super::Photon]),
+        nodes: [u16; 2],
+        alike: bool,
+    ) -> f32 {
+        let mut total = 0.0;
+        for (lane, photon) in photons.iter().enumerate().take(LEAF) {
+            let light: f32 = self.table.iter().map(|row| row[lane]).sum();
+            if !(light > 0.0) || !place.sees(photon) {
+                continue;
+            }
+            total += light;
+            let known = if alike {
+                self.known((ways.steps, photon.spectrum), nodes)
+            } else {
+                let direction = Vec3A::from_array(photon.direction).as_dvec3();
+                self.new_one(direction, (ways.steps, photon.spectrum), nodes)
+            };
+            let own = self.irradiances[known.clone()].iter_mut().zip(&mut self.squares[known]);
+            for ((irradiance, squares), row) in own.zip(&self.table) {
+                *irradiance += row[lane];
+                *squares += row[lane] * row[lane];
+            }
+        }
+        total
+    }
+
+    /// Where light of a product that is known in some steps is added up.
+    fn known(&mut self, (steps, spectrum): (u16, u32), nodes: [u16; 2]) -> Range<usize> {
+        let is_it = |passing: &&Passing| passing.steps == steps && passing.spectrum == spectrum;
+        match self.list.iter().find(is_it) {
+            Some(known) => known.known.clone(),
+            None => self.new_one(DVec3::ZERO, (steps, spectrum), nodes),
+        }
+    }
+
+    fn new_one(&mut self, direction: DVec3, (steps, spectrum): (u16, u32), [first, end]: [u16; 2]) -> Range<usize> {
+        let start = self.irradiances.len();
+        let known = start..start + usize::from(end - first);
+        self.irradiances.resize(known.end, 0.0);
+        self.squares.resize(known.end, 0.0);
+        self.list.push(Passing { direction, spectrum, steps, first, known: known.clone() });
+        known
+    }
+
+    /// Decides on the steps, and on the part of the error that photons have.
+    #[allow(clippy::cast_precision_loss, reason = "few wavelengths")]
+    fn judge(&mut self, sums: Sums) {
+        let mean = |of: &[f32], known: &Range<usize>| {
+            of[known.clone()].iter().map(|x| f64::from(*x)).sum::<f64>() / known.len() as f64
+        };
+        let squares: f64 = self.list.iter().map(|passing| mean(&self.squares, &passing.known)).sum();
+        self.error = if squares > 0.0 { (1.0 + sums.biases * sums.biases / squares).sqrt() } else { 0.0 };
+        self.steps = self.list.iter().map(|passing| passing.steps).max().unwrap_or(1);
+        let least = self.list.iter().map(|passing| passing.steps).min().unwrap_or(1);
+        let mut faster = 0.0;
+        while self.steps > least {
+            let own = self.list.iter().filter(|passing| passing.steps == self.steps);
+            faster += own.map(|passing| mean(&self.irradiances, &passing.known)).sum::<f64>();
+            if faster > FASTEST * sums.light {
+                break;
+            }
+            self.steps /= 2;
+        }
+    }
+}
+
+impl Passing {
+    /// Some of its numbers at the end of a step, of so many: between those that are known on a line, or of more the mean about it.
+    pub(crate) fn at(&self, numbers: &[f32], node: u16, steps: u16) -> f64 {
+        let known = numbers.get(self.known.clone()).unwrap_or_default();
+        let number = |own: i32| -> Option<f64> {
+            let place = usize::try_from(own - i32::from(self.first)).ok()?;
+            known.get(place).map(|x| f64::from(*x))
+        };
+        if steps == self.steps {
+            return number(i32::from(node)).unwrap_or(0.0);
+        }
+        if steps > self.steps {
+            let times = steps / self.steps;
+            let (before, part) = (i32::from(node / times), f64::from(node % times) / f64::from(times));
+            let [from, to] = [before, before + 1].map(|own| number(own).unwrap_or(0.0));
+            return from + (to - from) * part;
+        }
+        let times = i32::from(self.steps / steps);
+        let (mut sum, mut total) = (0.0, 0.0);
+        for off in 1 - times..times {
+            if let Some(own) = number(i32::from(node) * times + off) {
+                let weight = 1.0 - f64::from(off.abs()) / f64::from(times);
+                sum += weight * own;
+                total += weight;
+            }
+        }
+        if total > 0.0 { sum / total } else { 0.0 }
     }
 }

@@ -13,13 +13,13 @@ use crate::whitted::{RenderError, Whitted};
 pub struct PhotonOptions {
     /// How many photons meet mirrors and glass.
     pub count: PhotonCount,
-    /// The most photons of an estimate.
+    /// The most photons within the distance at which one counts.
     pub nearest: usize,
-    /// The largest distance of an estimate's photons, in scene units; `None`: a fortieth of the scene's diagonal.
+    /// The largest distance at which photons count, in scene units; `None`: a fortieth of the scene's diagonal.
     pub radius: Option<f64>,
     /// How photons count by their distance.
     pub kernel: Kernel,
-    /// Whether estimates choose their radius by their errors; otherwise it is the distance of the farthest of the nearest photons.
+    /// Whether that distance is chosen by the errors that come of it; otherwise it is that of the farthest of the nearest photons.
     pub adaptive: bool,
     /// At which wavelengths photons that depend on them are thrown.
     pub bundle: Bundle,

@@ -1,7 +1,6 @@
 //! Light that reaches surfaces by way of mirrors and glass, from whatever finds it.
 
 use alloc::sync::Arc;
-use core::ops::Range;
 use std::sync::LazyLock;
 
 use glam::DVec3;
@@ -15,35 +14,29 @@ use crate::direct::{Part, Receiver};
 use crate::frame::Frame;
 use crate::geometry::Hit;
 use crate::material::{Glossy, Lobe, Material};
-use crate::photon::{Estimate, Moving, Spectra};
+use crate::photon::{Estimate, Passed, Spectra};
 use crate::spectral::{Band, Deferred, Factor, Monomial, Radiance, measure};
 
 /// Light that reaches surfaces by way of mirrors and glass: paths L S⁺ D.
 pub(crate) trait Caustics: Sync {
     /// Finds the light that reaches a place on a surface: on the side that was hit, by ways that are the same for all waves if no band is asked
-    /// for, or by those that are not, for the waves of a band, within the reach for that place. Light within `least` of the place counts alike,
-    /// as far as that matters. What is found is added to `found`; returned are the products of spectra that it refers to.
-    fn arriving(&self, hit: &Hit, least: f32, asked: Option<(Band, Reach)>, found: &mut Arrived) -> Arc<Spectra>;
+    /// for, or by those that are not, for the waves of a band. Light within `least` of the place counts alike, as far as that matters. What is found
+    /// is added to `found`; returned are the products of spectra that it refers to.
+    fn arriving(&self, hit: &Hit, least: f32, band: Option<Band>, found: &mut Arrived) -> Arc<Spectra>;
 
-    /// From how far light counts for a place that reaches it by ways that depend on the wavelength; `None` if none does.
-    fn reach(&self, hit: &Hit, least: f32, found: &mut Arrived) -> Option<Reach>;
-
-    /// Finds the light that reaches a place by ways that depend on the wavelength, at all wavelengths; `None` if that must be asked for by bands.
-    /// What was found before is forgotten; returned are the products of spectra that it refers to.
-    fn passing(&self, hit: &Hit, reach: Reach, found: &mut Arrived) -> Option<Arc<Spectra>>;
+    /// Finds the light that reaches a place by ways that depend on the wavelength: at all wavelengths, or at those that it takes for a band, and
+    /// whether its directions matter or are all alike. What was found of such light before is forgotten.
+    fn dispersed(&self, hit: &Hit, how: (f32, bool), band: Option<Band>, found: &mut Arrived) -> Ways;
 }
 
-/// From how far light counts for a place.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Reach {
-    /// In scene units.
-    pub(crate) radius: f32,
-    /// About how much light there is at all wavelengths together, as luminous flux on a square scene unit.
-    pub(crate) value: f64,
-    /// The bias that comes of it, relative to the light.
-    pub(crate) bias: f64,
-    /// The part of the error that a photon has, relative to its light: see [`Arriving::error`].
-    pub(crate) error: f64,
+/// What is known of light whose way to a place depends on the wavelength.
+pub(crate) enum Ways {
+    /// That there is none.
+    None,
+    /// How it changes, and the products of spectra that it refers to.
+    Known(Arc<Spectra>),
+    /// That it must be asked for by bands.
+    ByBands,
 }
 
 /// What was found at a place, with memory to find it.
@@ -51,14 +44,8 @@ pub(crate) struct Reach {
 pub(crate) struct Arrived {
     pub(crate) list: Vec<Arriving>,
     pub(crate) scratch: Estimate,
-    /// Light that passes the place as the wavelength changes, and its irradiances, at wavelengths evenly spaced by 1/λ² over the visible ones, by so
-    /// many steps.
-    pub(crate) passing: Vec<Passing>,
-    pub(crate) irradiances: Vec<f32>,
-    pub(crate) steps: u16,
-    /// Photons that may pass, and how fast they are.
-    pub(crate) candidates: Vec<Moving>,
-    pub(crate) distances: Vec<f32>,
+    /// Light that passes the place as the wavelength changes.
+    pub(crate) passed: Passed,
 }
 
 /// Light that reaches a surface from one direction.
@@ -74,18 +61,6 @@ pub(crate) struct Arriving {
     pub(crate) spectrum: u32,
 }
 
-/// Light that reaches a surface from one direction at some wavelengths.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Passing {
-    /// The unit vector to where it comes from.
-    pub(crate) direction: DVec3,
-    /// The product of spectra that it is multiplied by.
-    pub(crate) spectrum: u32,
-    /// The first of the wavelengths, and the irradiances for a spectrum of 1 from there on, as a part of [`Arrived::irradiances`].
-    pub(crate) first: u16,
-    pub(crate) irradiances: Range<usize>,
-}
-
 /// Light at a surface whose way there depends on the wavelength.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Dispersed {
@@ -93,7 +68,6 @@ pub(super) struct Dispersed {
     /// The direction in which the surface is looked at.
     direction: DVec3,
     path: Path,
-    reach: Reach,
 }
 
 /// The same where it is known at all wavelengths: what the surface reflects, between neighbouring ones of which it changes in proportion to 1/λ².
@@ -112,27 +86,6 @@ pub(super) struct Node {
     sums: [f64; 2],
     squares: [f64; 2],
 }
-
-/// A place whose light is known, and what it was multiplied by.
-#[derive(Clone, Debug)]
-pub(super) struct Known {
-    number: u32,
-    hit: Hit,
-    reach: Reach,
-    weight: f64,
-    /// Its errors.
-    noise: Radiance,
-}
-
-/// How near places are, relative to the radii of their estimates, that have most photons in common: of discs whose centres are half a
-/// radius apart two thirds are in both.
-const SHARED: f32 = 0.5;
-
-/// The cosine of normals on the same part of a surface: they differ by less than 8°.
-const LEAST_COSINE: f32 = 0.99;
-
-/// In how many steps light may change that places share: where photons are faster, a place beside has another colour.
-const MOST_SHARED: u16 = 4;
 
 /// Where a wavelength is between the first (0) and the last (1), by that.
 fn between(wavelength: f64) -> f64 {
@@ -186,6 +139,20 @@ impl Sensitivity {
     }
 }
 
+/// The step that a place is in, of so many from the first visible wavelength to the last.
+#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "the number of a step")]
+fn step_at(place: f64, steps: u16) -> u16 {
+    ((place * f64::from(steps)).max(0.0) as u16).min(steps.saturating_sub(1))
+}
+
+/// From which to which end of steps, the last not included, light must be known for the mean over a band.
+pub(crate) fn nodes_of(band: Band, steps: u16) -> [u16; 2] {
+    let [from, to] = band.limits;
+    let [first, last] = if to > from { [from, to] } else { [band.wavelength; 2] };
+    let [first, last] = [first, last].map(|wavelength| step_at(between(wavelength), steps));
+    [first, last + 2]
+}
+
 impl Curve {
     /// The light of a band: the mean over its waves, by the eye's sensitivity x̄ + ȳ + z̄; that of a single wavelength if there are no others.
     pub(super) fn over(&self, band: Band) -> Radiance {
@@ -201,8 +168,7 @@ impl Curve {
     /// What a band has of the steps that it goes over: what the light at either end of each counts for.
     fn shares(&self, band: Band) -> Vec<(usize, [f64; 2])> {
         let steps = f64::from(self.steps);
-        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "the number of a step")]
-        let step_at = |place: f64| ((place * steps).max(0.0) as usize).min(usize::from(self.steps) - 1);
+        let step_at = |place: f64| usize::from(step_at(place, self.steps));
         let [from, to] = band.limits;
         let [before, after] = [from, to].map(|limit| SENSITIVITY.up_to(limit));
         let total = after[0] - before[0];
@@ -295,19 +261,17 @@ impl<'s> Worker<'s> {
         }
         let noise = self.noise_share(path.band);
         self.arriving(hit, direction, (path, noise), None, radiance);
-        let least = self.least(path);
-        let Some(reach) = caustics.reach(hit, least, &mut self.arriving) else { return };
-        if path.band.is_none() && self.shared(hit, path, reach, radiance) {
-            return;
-        }
-        let place = Dispersed { hit: *hit, direction, path, reach };
-        let Some(spectra) = caustics.passing(hit, reach, &mut self.arriving) else {
-            return self.by_bands(place, radiance);
+        let place = Dispersed { hit: *hit, direction, path };
+        let alike = matches!(self.scene.material(hit), Some(Material::Diffuse(_)));
+        let spectra = match caustics.dispersed(hit, (self.least(path), alike), path.band, &mut self.arriving) {
+            Ways::None => return,
+            Ways::Known(spectra) => spectra,
+            Ways::ByBands => return self.by_bands(place, radiance),
         };
-        if self.arriving.passing.is_empty() {
+        if self.arriving.passed.list.is_empty() {
             return;
         }
-        let (curve, errors) = self.curve(&place, &spectra, noise);
+        let curve = self.curve(&place, &spectra, noise);
         if curve.monomials.is_empty() {
             return;
         }
@@ -315,9 +279,6 @@ impl<'s> Worker<'s> {
             return self.add_product(&curve.over(band), Path { weight: 1.0, ..path }, radiance);
         }
         let number = u32::try_from(self.deferred.len()).unwrap_or(u32::MAX);
-        if curve.steps <= MOST_SHARED {
-            self.curves.push(Known { number, hit: *hit, reach, weight: path.weight, noise: errors });
-        }
         self.deferred.push(Later::Curve(Arc::new(curve)));
         radiance.defer(Deferred(number), path.monomial, 1.0);
     }
@@ -334,59 +295,36 @@ impl<'s> Worker<'s> {
         radiance.defer(Deferred(number), path.monomial, 1.0);
     }
 
-    /// Adds the light of a place that is so near to one whose light is known that most of it is of the same photons: how it changes with the
-    /// wavelength is taken from there, how much there is from the place itself.
-    fn shared(&mut self, hit: &Hit, path: Path, reach: Reach, radiance: &mut Radiance) -> bool {
-        if !matches!(self.scene.material(hit), Some(Material::Diffuse(_))) {
-            return false;
-        }
-        let is_near = |known: &&Known| {
-            let radii = [known.reach.radius, reach.radius];
-            let distance = known.hit.position.distance(hit.position);
-            known.hit.shape == hit.shape
-                && known.hit.front == hit.front
-                && known.hit.geometric_normal.dot(hit.geometric_normal) >= LEAST_COSINE
-                && known.reach.value > 0.0
-                && known.weight > 0.0
-                && distance <= SHARED * radii[0].min(radii[1])
-        };
-        let Some(known) = self.curves.iter().find(is_near) else { return false };
-        let scale = reach.value / known.reach.value * (path.weight / known.weight);
-        for (monomial, error) in known.noise.terms() {
-            self.noise.add(*monomial, scale * error);
-        }
-        radiance.defer(Deferred(known.number), path.monomial, scale);
-        true
-    }
-
-    /// The light of a place whose passing photons have just been found, and its errors, of which a share is counted.
-    fn curve(&mut self, place: &Dispersed, spectra: &Spectra, share: f64) -> (Curve, Radiance) {
-        let Dispersed { hit, direction, path, reach } = *place;
-        let (mut curve, mut noise) = (Curve { steps: self.arriving.steps, ..Curve::default() }, Radiance::default());
-        let Some(response) = self.response(&hit, direction) else { return (curve, noise) };
+    /// The light of a place whose passing photons have just been found; a share of its errors is counted.
+    fn curve(&mut self, place: &Dispersed, spectra: &Spectra, share: f64) -> Curve {
+        let Dispersed { hit, direction, path } = *place;
+        let passed = &self.arriving.passed;
+        let mut curve = Curve { steps: passed.steps, ..Curve::default() };
+        let Some(response) = self.response(&hit, direction) else { return curve };
         let nodes = usize::from(curve.steps) + 1;
+        let asked = path.band.map_or([0, curve.steps + 1], |band| nodes_of(band, curve.steps));
         self.numbers.clear();
         self.nodes.clear();
-        for Passing { direction, spectrum, first, irradiances } in &self.arriving.passing {
-            let slot = self.numbers.iter().position(|known| known == spectrum).unwrap_or_else(|| {
-                self.numbers.push(*spectrum);
+        for passing in &passed.list {
+            let slot = self.numbers.iter().position(|known| *known == passing.spectrum).unwrap_or_else(|| {
+                self.numbers.push(passing.spectrum);
                 self.nodes.resize(self.numbers.len() * nodes, Node::default());
                 self.numbers.len() - 1
             });
-            let shares = response.towards(*direction);
-            let own = self.nodes.iter_mut().skip(slot * nodes + usize::from(*first));
-            for (node, irradiance) in own.zip(&self.arriving.irradiances[irradiances.clone()]) {
+            let shares = response.towards(passing.direction).map(|share| share * passed.share);
+            for number in asked[0]..asked[1] {
+                let Some(node) = self.nodes.get_mut(slot * nodes + usize::from(number)) else { continue };
+                let light = passing.at(&passed.irradiances, number, curve.steps);
+                let squares = passing.at(&passed.squares, number, curve.steps);
                 for ((sum, square), share) in node.sums.iter_mut().zip(&mut node.squares).zip(shares) {
-                    let light = share * f64::from(*irradiance);
-                    *sum += light;
-                    *square += light * light;
+                    *sum += share * light;
+                    *square += share * share * squares;
                 }
             }
         }
         let unit = Path { monomial: Monomial::default(), ..path };
-        #[allow(clippy::cast_precision_loss, reason = "at most some hundred")]
         // As if all wavelengths had the same photons: where these are fast, that is more than the error.
-        let share = share * reach.error / nodes as f64;
+        let share = share * self.arriving.passed.error / f64::from(asked[1] - asked[0]);
         for slot in 0..self.numbers.len() {
             let spectrum = self.numbers[slot];
             for (which, factor) in response.factors().into_iter().enumerate() {
@@ -400,13 +338,10 @@ impl<'s> Worker<'s> {
                 curve.monomials.push(monomial);
                 curve.weights.extend(self.nodes[sums.clone()].iter().map(|node| through.weight * node.sums[which]));
                 let error: f64 = self.nodes[sums].iter().map(|node| node.squares[which].sqrt()).sum();
-                noise.add(monomial, share * through.weight * error);
+                self.noise.add(self.monomials.product(path.monomial, monomial), share * through.weight * error);
             }
         }
-        for (monomial, error) in noise.terms() {
-            self.noise.add(self.monomials.product(path.monomial, *monomial), *error);
-        }
-        (curve, noise)
+        curve
     }
 
     /// Half of a pixel's width where a path is, if nothing magnifies: smaller details are not asked for.
@@ -420,7 +355,7 @@ impl<'s> Worker<'s> {
         let mut light = Radiance::default();
         let path = Path { monomial: Monomial::default(), ..place.path };
         let noise = self.noise_share(Some(band));
-        self.arriving(&place.hit, place.direction, (path, noise), Some((band, place.reach)), &mut light);
+        self.arriving(&place.hit, place.direction, (path, noise), Some(band), &mut light);
         light
     }
 
@@ -430,13 +365,13 @@ impl<'s> Worker<'s> {
         hit: &Hit,
         direction: DVec3,
         (path, noise): (Path, f64),
-        asked: Option<(Band, Reach)>,
+        band: Option<Band>,
         radiance: &mut Radiance,
     ) {
         let Some(caustics) = self.caustics else { return };
         let mut found = core::mem::take(&mut self.arriving);
         found.list.clear();
-        let spectra = caustics.arriving(hit, self.least(path), asked, &mut found);
+        let spectra = caustics.arriving(hit, self.least(path), band, &mut found);
         if let (false, Some(response)) = (found.list.is_empty(), self.response(hit, direction)) {
             self.reflected((&found.list, &spectra), &response, (path, noise), radiance);
         }

@@ -24,14 +24,14 @@ mod refraction;
 mod schlick;
 
 pub(crate) use build::camera;
-pub(crate) use caustic::{Arrived, Arriving, Caustics, Passing, Reach};
+pub(crate) use caustic::{Arrived, Arriving, Caustics, Ways, nodes_of};
 
 use alloc::sync::Arc;
 
 use glam::DVec3;
 use spectral_core::brdf::Schlick;
 
-use self::caustic::{Curve, Dispersed, Known, Node};
+use self::caustic::{Curve, Dispersed, Node};
 pub use self::error::RenderError;
 pub use self::glossy::GlossyLight;
 use self::refraction::Interface;
@@ -179,8 +179,6 @@ pub struct Worker<'s> {
     /// are counted.
     noise: Radiance,
     noise_counted: Option<f64>,
-    /// Places where it is known how their light changes with the wavelength.
-    curves: Vec<Known>,
     /// Deferred light with the light between surfaces that it has.
     prepared: Vec<(usize, Radiance)>,
     /// Whether deferred light is followed for the first time: light between surfaces is wanted then.
@@ -242,7 +240,6 @@ impl<'s> Worker<'s> {
             nodes: Vec::new(),
             noise: Radiance::default(),
             noise_counted: None,
-            curves: Vec::new(),
             prepared: Vec::new(),
             is_preparing: false,
             known: KnownCells::default(),
@@ -287,7 +284,6 @@ impl<'s> Worker<'s> {
 
     fn forget_deferred(&mut self) {
         self.deferred.clear();
-        self.curves.clear();
         self.prepared.clear();
         self.rows.clear();
     }
@@ -408,7 +404,8 @@ impl<'s> Worker<'s> {
     /// Calls `receive` for each visible part of the light with this number.
     fn illuminate(&mut self, number: usize, receiver: &Receiver, least: u32, receive: impl FnMut(Part)) {
         let Whitted { world, blockers, cells, lights, .. } = self.scene;
-        if matches!(self.between, Between::Noted(_)) {
+        // Where light between surfaces alone is wanted, too.
+        if self.is_preparing || matches!(self.between, Between::Noted(_)) {
             return;
         }
         let Some(light) = lights.get(number) else { return };

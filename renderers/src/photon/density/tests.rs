@@ -315,19 +315,3 @@ fn settings_outside_their_domains_are_refused() {
     let line = DensityError::Count(1).to_string();
     assert_eq!(line, "density is estimated from 2 photons or more, not 1");
 }
-
-/// With the radius that an estimate chose, all photons within it say the same; so do those within a smaller one, up to noise.
-#[test]
-fn a_radius_chosen_before_gives_the_same_estimate() {
-    let (map, extents) = (on_square(40_000, 1.0, 9, |_, _| 1.0), square());
-    let density = by_count(2000, f32::INFINITY);
-    for place in [place(&extents, 0.3, 0.4), place(&extents, 0.99, -0.2)] {
-        let chosen = estimate(&density, &map, &place);
-        let mut within = Estimate::default();
-        density.estimate_within(&map, &place, chosen.radius, |photon| photon.flux, &mut within);
-        assert!((chosen.value - within.value).abs() <= 1e-5 * chosen.value, "{} {}", chosen.value, within.value);
-        density.estimate_within(&map, &place, chosen.radius / 2.0, |photon| photon.flux, &mut within);
-        let error = 4.0 * within.standard_error;
-        assert!(error <= 0.3 && (chosen.value - within.value).abs() <= error, "{} {}", chosen.value, within.value);
-    }
-}

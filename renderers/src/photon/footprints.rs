@@ -1,0 +1,245 @@
+//! How far photons count: within a radius that is chosen for each few of them, about where they landed or all along their ways.
+//!
+//! An estimate with a radius of the place where light is wanted takes light from beyond an edge, and nothing gives it back: the nearest photons of
+//! a dark place are those of a bright one. Where radii belong to photons instead (sample smoothing estimators: Terrell and Scott, "Variable Kernel
+//! Density Estimation", 1992), all light of a photon is on the surface once, whatever its radius, and where photons are evenly dense the estimate
+//! is without bias, however radii are chosen.
+
+use core::ops::Range;
+
+use rayon::prelude::*;
+
+use super::Photon;
+use super::density::{Density, Estimate, Place, region_of};
+use super::map::{Near, PhotonMap, Region, Tree, WAITING, square};
+use super::motion::Motion;
+use super::ways::Ways;
+
+/// How far the photons of a leaf of a map count.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Footprint {
+    /// In scene units; 0 if they don't count.
+    pub(super) radius: f32,
+    /// How much of the light where they landed is there because it is not the same all over the radius, relative to it.
+    pub(super) bias: f32,
+}
+
+/// Photons by the places where they count: a hierarchy of boxes over the leaves of a map's trees.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Footprints {
+    /// One for each leaf.
+    radii: Vec<Footprint>,
+    /// The same; none if no photon moves.
+    ways: Vec<Ways>,
+    /// For the node that parts two leaves the boxes of both its parts, by the index of the second leaf.
+    nodes: Vec<[Box3; 2]>,
+}
+
+/// The least and the largest coordinates.
+#[derive(Clone, Copy, Debug)]
+struct Box3 {
+    low: [f32; 3],
+    high: [f32; 3],
+}
+
+impl Box3 {
+    const EMPTY: Self = Self { low: [f32::INFINITY; 3], high: [f32::NEG_INFINITY; 3] };
+
+    fn with(self, other: Self) -> Self {
+        Self {
+            low: core::array::from_fn(|i| self.low[i].min(other.low[i])),
+            high: core::array::from_fn(|i| self.high[i].max(other.high[i])),
+        }
+    }
+
+    /// About a way by its middle and from there to its end, and a little rounding.
+    fn around(middle: [f32; 3], half: [f32; 3]) -> Self {
+        let slack = 4.0 * f32::EPSILON * middle.iter().fold(0.0, |most: f32, x| most.max(x.abs()));
+        Self {
+            low: core::array::from_fn(|i| middle[i] - half[i].abs() - slack),
+            high: core::array::from_fn(|i| middle[i] + half[i].abs() + slack),
+        }
+    }
+
+    /// With all that is nearer than a distance, and a little more.
+    fn wider(self, distance: f32) -> Self {
+        let distance = distance * (1.0 + 4.0 * f32::EPSILON);
+        Self { low: self.low.map(|x| x - distance), high: self.high.map(|x| x + distance) }
+    }
+
+    /// The square of the distance from a point.
+    fn distance2(&self, p: [f32; 3]) -> f32 {
+        square(core::array::from_fn(|i| (self.low[i] - p[i]).max(p[i] - self.high[i]).max(0.0)))
+    }
+}
+
+/// Leaves of photons whose radii a thread evens out together.
+const LEAVES: usize = 64;
+
+/// The radii of a map's leaves, each the geometric mean of those of the photons within it: where radii change at once, light that is even would have
+/// a step.
+#[allow(clippy::cast_precision_loss, reason = "a number of photons")]
+pub(super) fn evened(map: &PhotonMap, radii: &[Footprint]) -> Vec<Footprint> {
+    let even = |near: &mut Vec<Near>, (numbers, own): (Range<usize>, &Footprint)| {
+        let mean = || {
+            let (_, photon) = map.middle_of(numbers)?;
+            map.within(photon.surface, &Region::ball(photon.position, own.radius), near);
+            let radius = |near: &Near| radii.get(map.leaf_of(near.photon)?).map(|footprint| footprint.radius);
+            let mut sum = 0.0;
+            for radius in near.iter().filter_map(radius).filter(|radius| *radius > 0.0) {
+                sum += radius.ln();
+            }
+            (!near.is_empty()).then(|| (sum / near.len() as f32).exp())
+        };
+        Footprint { radius: mean().filter(|_| own.radius > 0.0).unwrap_or(own.radius), ..*own }
+    };
+    let leaves: Vec<_> = map.leaves_photons().zip(radii).collect();
+    leaves.into_par_iter().with_min_len(LEAVES).map_init(Vec::new, even).collect()
+}
+
+impl Footprints {
+    /// Those of the photons of a map, with the radii of its leaves, and how photons move, in the map's order, with the least number of steps in which
+    /// their light is found.
+    pub(super) fn new(map: &PhotonMap, radii: Vec<Footprint>, moving: Option<(&[Motion], u16)>) -> Self {
+        let mut ways = Vec::with_capacity(if moving.is_some() { radii.len() } else { 0 });
+        let mut boxes = Vec::with_capacity(radii.len());
+        for (numbers, footprint) in map.leaves_photons().zip(&radii) {
+            let photons = map.photons().get(numbers.clone()).unwrap_or_default();
+            let mut around = Box3::EMPTY;
+            if let Some((motions, least)) = moving {
+                let motions = motions.get(numbers).unwrap_or_default();
+                ways.push(Ways::new(photons, motions, footprint.radius, least));
+                for (photon, motion) in photons.iter().zip(motions) {
+                    let (middle, half) = motion.middle(photon);
+                    around = around.with(Box3::around(middle, half));
+                }
+            } else {
+                let point = |photon: &Photon| Box3::around(photon.position, [0.0; 3]);
+                around = photons.iter().map(point).fold(around, Box3::with);
+            }
+            boxes.push(if footprint.radius > 0.0 { around.wider(footprint.radius) } else { Box3::EMPTY });
+        }
+        let mut footprints = Self { nodes: vec![[Box3::EMPTY; 2]; radii.len()], radii, ways };
+        for tree in map.trees() {
+            footprints.fill(&boxes, tree.leaves.start, tree.leaves.end);
+        }
+        footprints
+    }
+
+    fn fill(&mut self, boxes: &[Box3], first: usize, end: usize) -> Box3 {
+        if end - first <= 1 {
+            return boxes.get(first).copied().unwrap_or(Box3::EMPTY);
+        }
+        let middle = usize::midpoint(first, end);
+        let parts = [self.fill(boxes, first, middle), self.fill(boxes, middle, end)];
+        self.nodes[middle] = parts;
+        parts[0].with(parts[1])
+    }
+
+    /// How far photons count about a position; `None` if the surface has none.
+    pub(super) fn at(&self, map: &PhotonMap, surface: u32, position: [f32; 3]) -> Option<Footprint> {
+        self.radii.get(map.leaf_at(surface, position)?).copied()
+    }
+
+    /// Calls with the photons of a surface that don't move and may count in a region, in an order that depends on the map and the region alone: their
+    /// numbers, the squares of their distances, and how far they count, at least within the region's radius.
+    pub(super) fn counting(
+        &self,
+        map: &PhotonMap,
+        surface: u32,
+        region: &Region,
+        mut call: impl FnMut(Near, Footprint),
+    ) {
+        let Some(tree) = map.tree(surface) else { return };
+        self.leaves(tree, region, |leaf, footprint| {
+            let (distances, mut mask) =
+                map.distances(leaf, region, (footprint.radius * footprint.radius).min(f32::MAX));
+            let first = tree.first_of(leaf);
+            while mask != 0 {
+                let i = mask.trailing_zeros();
+                call(Near { distance2: distances[i as usize], photon: first + i }, footprint);
+                mask &= mask - 1;
+            }
+        });
+    }
+
+    /// The same with all photons of a leaf of those that move, and the number of the first.
+    pub(super) fn passing(
+        &self,
+        map: &PhotonMap,
+        surface: u32,
+        region: &Region,
+        mut call: impl FnMut(&Ways, u32, Footprint),
+    ) {
+        let Some(tree) = map.tree(surface) else { return };
+        self.leaves(tree, region, |leaf, footprint| {
+            if let Some(ways) = self.ways.get(leaf) {
+                call(ways, tree.first_of(leaf), footprint);
+            }
+        });
+    }
+
+    /// Calls with the leaves of a tree whose photons may count in a region.
+    fn leaves(&self, tree: &Tree, region: &Region, mut call: impl FnMut(usize, Footprint)) {
+        let limit = (region.radius * region.radius).clamp(0.0, f32::MAX);
+        let mut branch = tree.leaves.start..tree.leaves.end;
+        let mut waiting = [(0, 0); WAITING];
+        let mut depth = 0;
+        loop {
+            while branch.len() > 1 {
+                let middle = usize::midpoint(branch.start, branch.end);
+                match self.nodes[middle].map(|part| part.distance2(region.position) <= limit) {
+                    [true, true] => {
+                        waiting[depth] = (middle, branch.end);
+                        depth += 1;
+                        branch.end = middle;
+                    }
+                    [true, false] => branch.end = middle,
+                    [false, true] => branch.start = middle,
+                    [false, false] => branch.end = branch.start,
+                }
+            }
+            if let Some(own) = self.radii.get(branch.start).filter(|own| !branch.is_empty() && own.radius > 0.0) {
+                call(branch.start, Footprint { radius: own.radius.max(region.radius), ..*own });
+            }
+            if depth == 0 {
+                return;
+            }
+            depth -= 1;
+            branch = waiting[depth].0..waiting[depth].1;
+        }
+    }
+
+    pub(super) const fn bytes(&self) -> usize {
+        size_of::<Footprint>() * self.radii.capacity()
+            + size_of::<Ways>() * self.ways.capacity()
+            + size_of::<[Box3; 2]>() * self.nodes.capacity()
+    }
+}
+
+impl Density {
+    /// Estimates the irradiance at a place from the photons of its surface that don't move: each counts within a radius r of its own, at least
+    /// `least`, at the distance d for its flux times K(d/r) / (r² m). m is the kernel's share on the face of the place for the mean of the radii, by
+    /// light.
+    pub(super) fn estimate_by(
+        &self,
+        (map, footprints): (&PhotonMap, &Footprints),
+        (place, least): (&Place<'_>, f32),
+        brightness: impl Fn(&Photon) -> f32,
+        estimate: &mut Estimate,
+    ) {
+        estimate.start();
+        footprints.counting(map, place.surface, &region_of(place, least), |near, footprint| {
+            if let Some(photon) = map.photons().get(near.photon as usize).filter(|photon| place.sees(photon)) {
+                let Footprint { radius, bias } = footprint;
+                let weight = self.kernel.value(near.distance2 / (radius * radius)) / (radius * radius);
+                estimate.add(near.photon, weight, brightness(photon), (radius, bias));
+            }
+        });
+        let mass = self.mass_within(place, f64::from(estimate.mean_radius()));
+        estimate.finish(1.0 / mass);
+    }
+}
+
+#[cfg(test)]
+mod tests;

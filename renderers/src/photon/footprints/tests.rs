@@ -1,0 +1,178 @@
+//! Estimates of photons that count within radii of their own, and of those that move.
+
+use glam::DVec3;
+
+use super::{Footprint, Footprints, evened};
+use crate::photon::extent::Extents;
+use crate::photon::kernel::Kernel;
+use crate::photon::map::{LEAF, Region};
+use crate::photon::motion::Motion;
+use crate::photon::random::Random;
+use crate::photon::ways::About;
+use crate::photon::{Choice, Density, Estimate, Photon, PhotonMap, Place};
+use crate::scene::Geometry;
+
+/// The square [−1, 1]² at z = 0.
+fn square() -> Extents {
+    let [center, half_u, half_v, normal] = [DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z];
+    Extents::new([&Geometry::Rectangle { center, half_u, half_v, normal }])
+}
+
+fn place(extents: &Extents, x: f32, y: f32) -> Place<'_> {
+    Place { position: [x, y, 0.0], normal: [0.0, 0.0, 1.0], surface: 0, face: extents.face(0, 0) }
+}
+
+/// As many photons as were thrown evenly at the square, where they hit: an irradiance of 1 there.
+fn on_square(thrown: u32, seed: u64, is_hit: impl Fn(f32, f32) -> bool) -> PhotonMap {
+    let mut random = Random::new(seed);
+    #[allow(clippy::cast_precision_loss, reason = "test sizes are small")]
+    let flux = 4.0 / thrown as f32;
+    let photon = |position: [f32; 3]| Photon { position, direction: [0.0, 0.0, 1.0], flux, ..Photon::default() };
+    let places = (0..thrown).map(|_| [random.next() * 2.0 - 1.0, random.next() * 2.0 - 1.0, 0.0]);
+    PhotonMap::new(places.filter(|[x, y, _]| is_hit(*x, *y)).map(photon).collect())
+}
+
+/// With the radius of each leaf as about the photon in its middle.
+fn footprints(density: &Density, map: &PhotonMap, extents: &Extents) -> Footprints {
+    let mut scratch = Estimate::default();
+    let radius = |numbers| {
+        let (number, photon) = map.middle_of(numbers).unwrap();
+        let place = place(extents, photon.position[0], photon.position[1]);
+        density.footprint(map, (&place, number), |photon| photon.flux, &mut scratch)
+    };
+    let radii: Vec<Footprint> = map.leaves_photons().map(radius).collect();
+    Footprints::new(map, evened(map, &radii), None)
+}
+
+/// The mean and its standard error.
+#[allow(clippy::cast_precision_loss, reason = "few values")]
+fn mean(values: &[f64]) -> [f64; 2] {
+    let n = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / n;
+    let variance = values.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / (n - 1.0);
+    [mean, (variance / n).sqrt()]
+}
+
+/// Where photons are evenly dense, estimates are right on average, however radii are chosen and also beside the end of the face; so is what they say
+/// of their error.
+#[test]
+fn uniform_irradiance_is_unbiased() {
+    let extents = square();
+    for (choice, count) in [(Choice::Count, 30), (Choice::Agreement(2.5), 50), (Choice::Agreement(2.5), 200)] {
+        let density = Density { choice, count, ..Density::default() };
+        for (x, y) in [(0.1, -0.2), (0.995, 0.3), (0.93, -0.93)] {
+            let place = place(&extents, x, y);
+            let (mut values, mut errors) = (Vec::new(), 0.0);
+            for seed in 0..200 {
+                let map = on_square(4000, seed, |_, _| true);
+                let footprints = footprints(&density, &map, &extents);
+                let mut found = Estimate::default();
+                density.estimate_by((&map, &footprints), (&place, 0.0), |photon| photon.flux, &mut found);
+                values.push(found.value);
+                errors += found.standard_error * found.standard_error / 200.0;
+            }
+            let [mean, error] = mean(&values);
+            // Beside an edge the mean of radii stands for all.
+            let tolerance = if x > 0.9 { 0.01 } else { 0.0 };
+            assert!((mean - 1.0).abs() <= 4.3 * error + tolerance, "{choice:?} {count} {x} {y}: {mean} ± {error}");
+            let scatter = error * 200.0_f64.sqrt();
+            assert!((0.7..=1.4).contains(&(errors.sqrt() / scatter)), "{choice:?} {x}: {} {scatter}", errors.sqrt());
+        }
+    }
+}
+
+/// A lit band on a dark square: all of its light is there, and none more, though radii at its edge are larger than what is left of it.
+#[test]
+fn all_light_is_there_once_beside_edges() {
+    let extents = square();
+    for choice in [Choice::Count, Choice::Agreement(2.5)] {
+        let density = Density { choice, ..Density::default() };
+        let (mut fluxes, mut truths) = (Vec::new(), Vec::new());
+        for seed in 0..24 {
+            let map = on_square(20_000, seed, |x, y| x.abs() <= 0.1 && y.abs() <= 0.8);
+            let footprints = footprints(&density, &map, &extents);
+            let mut found = Estimate::default();
+            let mut sum = 0.0;
+            for i in 0_u8..100 {
+                for j in 0_u8..100 {
+                    let [x, y] = [i, j].map(|k| (f32::from(k) + 0.5) / 50.0 - 1.0);
+                    let place = place(&extents, x, y);
+                    density.estimate_by((&map, &footprints), (&place, 0.0), |photon| photon.flux, &mut found);
+                    sum += found.value / 2500.0;
+                }
+            }
+            fluxes.push(sum);
+            truths.push(map.photons().iter().map(|photon| f64::from(photon.flux)).sum::<f64>());
+        }
+        let ratios: Vec<f64> = fluxes.iter().zip(&truths).map(|(a, b)| a / b - 1.0).collect();
+        let [mean, error] = mean(&ratios);
+        assert!(mean.abs() <= 4.3 * error && error <= 2e-3, "{choice:?}: {mean} ± {error}");
+    }
+}
+
+/// Light of photons that move is at each wavelength that of photons that are where these are then, by all kernels; no leaf is forgotten.
+#[test]
+fn photons_that_move_are_where_they_are_at_each_wavelength() {
+    let mut random = Random::new(5);
+    let mut next = |size: f32| [0; 2].map(|_| size * (random.next() * 2.0 - 1.0));
+    let (mut photons, mut motions) = (Vec::new(), Vec::new());
+    for number in 0..3000_u32 {
+        let ([x, y], size) = (next(1.0), [0.0, 1e-20, 0.01, 0.3][number as usize % 4]);
+        let ([u, v], [change, _]) = (next(size), next(0.5));
+        photons.push(Photon { position: [x, y, 0.0], flux: 1.0, surface: number % 3, ..Photon::default() });
+        motions.push(Motion {
+            position: [u, v, 0.0],
+            flux: change,
+            at: 0.25,
+            limits: [[0.0, 1.0], [0.25, 0.5]][number as usize % 2],
+        });
+    }
+    let map = PhotonMap::new(photons.clone());
+    let in_order: Vec<Motion> = map.origins().iter().map(|origin| motions[*origin as usize]).collect();
+    let radius = |leaf: usize| [0.02, 0.1, 0.0, 0.4][leaf % 4];
+    let radii: Vec<Footprint> =
+        (0..map.leaves_photons().count()).map(|leaf| Footprint { radius: radius(leaf), bias: 0.0 }).collect();
+    let footprints = Footprints::new(&map, radii, Some((&in_order, 4)));
+    for number in 0..60_u32 {
+        let [x, y] = next(1.2);
+        let (least, kernel) = ([0.0, 0.05][number as usize % 2], Kernel::ALL[number as usize % 5]);
+        let region = Region { normal: [0.0, 0.0, 1.0], thickness: 1e-6, ..Region::ball([x, y, 0.0], least) };
+        let (mut found, mut table) = (vec![[0.0_f64; 129]; 3000], Vec::new());
+        footprints.passing(&map, number % 3, &region, |ways, first, footprint| {
+            table.clear();
+            ways.light(About { region: &region, radius: footprint.radius, kernel }, [0, ways.steps + 1], &mut table);
+            assert!(ways.steps >= 4 && table.len() == usize::from(ways.steps) + 1);
+            for (node, row) in table.iter().enumerate() {
+                for (photon, light) in (first..).zip(row.iter().take(LEAF)).filter(|(_, light)| **light > 0.0) {
+                    let stride = 128 / usize::from(ways.steps);
+                    found[photon as usize][node * stride] = f64::from(*light);
+                    assert!(light.is_finite());
+                }
+            }
+        });
+        for (leaf, numbers) in map.leaves_photons().enumerate() {
+            for photon in numbers {
+                let (own, motion) = (&map.photons()[photon], &in_order[photon]);
+                let radius = f64::from(if radius(leaf) > 0.0 { radius(leaf).max(least) } else { 0.0 });
+                for (node, light) in (0_u8..=128).zip(&found[photon]) {
+                    let at = f64::from(node) / 128.0;
+                    let [from, to] = motion.limits.map(f64::from);
+                    let is_there = at >= from && (at < to || to >= 1.0);
+                    let moved = |i: usize| f64::from(own.position[i]) + (at - 0.25) * f64::from(motion.position[i]);
+                    let t2 =
+                        ((moved(0) - f64::from(x)).powi(2) + (moved(1) - f64::from(y)).powi(2)) / (radius * radius);
+                    #[allow(clippy::cast_possible_truncation, reason = "as the kernel has it")]
+                    let value = f64::from(kernel.value(t2 as f32)) / (radius * radius);
+                    let flux = f64::from(own.flux) + (at - 0.25) * f64::from(motion.flux);
+                    let truth = if is_there && radius > 0.0 && own.surface == number % 3 { flux * value } else { 0.0 };
+                    // Nodes that the leaf's steps don't have are 0; at the rim of the constant kernel rounding decides.
+                    let is_close = (light - truth).abs() <= 1e-3 / (radius * radius).max(1e-12);
+                    assert!(
+                        is_close || *light == 0.0 && node % 32 != 0 || (t2 - 1.0).abs() <= 1e-5,
+                        "{number} {photon} {node}: {light} {truth}"
+                    );
+                }
+            }
+        }
+    }
+}

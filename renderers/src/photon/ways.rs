@@ -1,0 +1,128 @@
+//! Photons of a leaf that move with the wavelength, side by side.
+
+use super::kernel::Kernel;
+use super::map::{LEAF, Region};
+use super::motion::Motion;
+use super::{Photon, curves};
+
+/// In how many steps light is found at a place while photons move by the radius within which they count, and in how many at most: a power of two.
+const STEPS: f32 = 2.0;
+const MOST_STEPS: u16 = 128;
+
+/// Where the photons of a leaf are between the first key (0) and the last (1).
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Ways {
+    /// Where they would be at 0, by axis, and how far they go to 1; in scene units.
+    start: [[f32; LEAF]; 3],
+    way: [[f32; LEAF]; 3],
+    /// Their fluxes at 0, and by how much they change to 1.
+    flux: [f32; LEAF],
+    change: [f32; LEAF],
+    /// From where on they are there, and up to where, that not included.
+    limits: [[f32; LEAF]; 2],
+    /// The product of spectra that their fluxes are multiplied by, if it is the same.
+    pub(super) spectrum: Option<u32>,
+    /// In how many even steps their light is found.
+    pub(super) steps: u16,
+}
+
+/// Where light is wanted of photons that move, and how far they count there, in scene units.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct About<'r> {
+    pub(super) region: &'r Region,
+    pub(super) radius: f32,
+    pub(super) kernel: Kernel,
+}
+
+/// Coefficients by how far photons are on their ways: of the squares of their distances from a place, and of their heights above its plane.
+struct Course {
+    square: [[f32; LEAF]; 3],
+    height: [[f32; LEAF]; 2],
+}
+
+impl Ways {
+    /// Those of as many photons, which count within a radius, in at least so many steps.
+    pub(super) fn new(photons: &[Photon], motions: &[Motion], radius: f32, least: u16) -> Self {
+        let none = [0.0; LEAF];
+        let first = photons.first().map(|photon| photon.spectrum);
+        let mut ways = Self {
+            start: [none; 3],
+            way: [none; 3],
+            flux: none,
+            change: none,
+            limits: [[f32::INFINITY; LEAF], none],
+            spectrum: first.filter(|first| photons.iter().all(|photon| photon.spectrum == *first)),
+            steps: 1,
+        };
+        let mut speeds = Vec::with_capacity(LEAF);
+        for (i, (photon, motion)) in photons.iter().zip(motions).enumerate() {
+            let (start, flux) = motion.start(photon);
+            let axes = ways.start.iter_mut().zip(&mut ways.way);
+            for ((from, way), (start, all)) in axes.zip(start.into_iter().zip(motion.position)) {
+                (from[i], way[i]) = (start, all);
+            }
+            (ways.flux[i], ways.change[i]) = (flux, motion.flux);
+            let [from, to] = motion.limits;
+            (ways.limits[0][i], ways.limits[1][i]) = (from, if to >= 1.0 { f32::INFINITY } else { to });
+            speeds.push(motion.speed() / radius);
+        }
+        let radii = curves::of_nine_in_ten(&mut speeds);
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "within limits")]
+        let steps = ((STEPS * radii).ceil().clamp(1.0, f32::from(MOST_STEPS)) as u16).next_power_of_two();
+        // Fluxes change from key to key, too, where photons hardly move.
+        ways.steps = steps.max(least);
+        ways
+    }
+
+    /// About a place.
+    fn course(&self, region: &Region) -> Course {
+        let Region { position: p, normal: n, .. } = *region;
+        let ([x, y, z], [u, v, w]) = (&self.start, &self.way);
+        let mut course = Course { square: [[0.0; LEAF]; 3], height: [[0.0; LEAF]; 2] };
+        for i in 0..LEAF {
+            let (d, way) = ([x[i] - p[0], y[i] - p[1], z[i] - p[2]], [u[i], v[i], w[i]]);
+            let dot = |a: [f32; 3], b: [f32; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+            course.square[0][i] = dot(d, d);
+            course.square[1][i] = 2.0 * dot(d, way);
+            course.square[2][i] = dot(way, way);
+            course.height[0][i] = dot(n, d);
+            course.height[1][i] = dot(n, way);
+        }
+        course
+    }
+
+    /// The irradiances of all photons at a place, at the ends of steps from one to another, that not included; one list for each is added.
+    pub(super) fn light(&self, about: About<'_>, [first, end]: [u16; 2], found: &mut Vec<[f32; LEAF]>) {
+        let course = self.course(about.region);
+        let pi = core::f32::consts::FRAC_1_PI;
+        // A kernel that is known where it is evaluated is so for several photons at once.
+        let mut each = |kernel: &dyn Fn(f32) -> [f32; LEAF]| {
+            found.extend((first..end).map(|node| kernel(f32::from(node) / f32::from(self.steps))));
+        };
+        match about.kernel {
+            Kernel::Constant => each(&|at| self.at(about, &course, at, |rest| if rest > 0.0 { pi } else { 0.0 })),
+            Kernel::Cone => each(&|at| self.at(about, &course, at, |rest| 3.0 * pi * (1.0 - (1.0 - rest).sqrt()))),
+            Kernel::Epanechnikov => each(&|at| self.at(about, &course, at, |rest| 2.0 * pi * rest)),
+            Kernel::Biweight => each(&|at| self.at(about, &course, at, |rest| 3.0 * pi * rest * rest)),
+            Kernel::Triweight => each(&|at| self.at(about, &course, at, |rest| 4.0 * pi * rest * rest * rest)),
+        }
+    }
+
+    /// The kernel is that of 1 less the square of the distance over the radius, or of 0.
+    #[inline]
+    fn at(&self, about: About<'_>, course: &Course, at: f32, kernel: impl Fn(f32) -> f32) -> [f32; LEAF] {
+        let About { region: Region { thickness, slope, .. }, radius, .. } = about;
+        let (thickness2, slope2, by_area) = (thickness * thickness, slope * slope, 1.0 / (radius * radius));
+        let ([a, b, c], [h, k], [from, to]) = (&course.square, &course.height, &self.limits);
+        let mut light = [0.0; LEAF];
+        for i in 0..LEAF {
+            let distance2 = (a[i] + at * (b[i] + at * c[i])).max(0.0);
+            let height = h[i] + at * k[i];
+            let flux = (self.flux[i] + at * self.change[i]).max(0.0);
+            let counts = (height * height <= thickness2 + slope2 * distance2) & (at >= from[i]) & (at < to[i]);
+            let value = flux * by_area * kernel((1.0 - distance2 * by_area).max(0.0));
+            light[i] = if counts { value } else { 0.0 };
+        }
+        light
+    }
+}
