@@ -279,6 +279,31 @@ def table(rows):
               + {True: "  ok", False: "  MISSED", None: ""}[row["passed"]])
 
 
+def in_turns(args, entries, truth, how):
+    """Renders with all contenders round by round, compares with the truth, and writes the table and the figures; the exit code."""
+    import mitsuba as mi
+
+    summary, table = how
+    runs = [[] for _ in entries]
+    for seed in range(args.rounds):
+        for entry, results in zip(entries, runs):
+            picture, wall, cpu, render = entry.render(seed)
+            # The truth first: edges are its own. Its luminance is then the numerator.
+            result = compare(truth, picture)
+            result["luminance_ratio"] = 1 / result["luminance_ratio"]
+            results.append(result | {"wall": wall, "cpu": cpu, "render": render})
+            print(f"round {seed}: {entry.name}: {wall:.2f} s, p95 {result['p95_delta_e00_all']:.2f}", file=sys.stderr)
+    rows = [summary(entry, results) for entry, results in zip(entries, runs)]
+    table(rows)
+    report = json.dumps({"rounds": args.rounds, "size": args.size, "threads": args.threads or os.cpu_count(),
+                         "mitsuba": mi.__version__, "rows": rows}, indent=1, ensure_ascii=False)
+    if args.json:
+        args.json.write_text(report + "\n")
+    else:
+        print(report)
+    return 0 if all(row["passed"] is not False for row in rows) else 1
+
+
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--truth", type=pathlib.Path, required=True, help="the true picture, linear sRGB, OpenEXR")
@@ -308,24 +333,7 @@ def main() -> int:
     assert truth.shape == (args.size, args.size, 3), truth.shape
     args.lamp = truth.mean(axis=2) > 0.5 * truth.max()
     entries = contenders(args)
-    runs = [[] for _ in entries]
-    for seed in range(args.rounds):
-        for entry, results in zip(entries, runs):
-            picture, wall, cpu, render = entry.render(seed)
-            # The truth first: edges are its own. Its luminance is then the numerator.
-            result = compare(truth, picture)
-            result["luminance_ratio"] = 1 / result["luminance_ratio"]
-            results.append(result | {"wall": wall, "cpu": cpu, "render": render})
-            print(f"round {seed}: {entry.name}: {wall:.2f} s", file=sys.stderr)
-    rows = [summary(entry, results) for entry, results in zip(entries, runs)]
-    table(rows)
-    report = json.dumps({"rounds": args.rounds, "size": args.size, "threads": args.threads or os.cpu_count(),
-                         "mitsuba": mi.__version__, "rows": rows}, indent=1, ensure_ascii=False)
-    if args.json:
-        args.json.write_text(report + "\n")
-    else:
-        print(report)
-    return 0 if all(row["passed"] is not False for row in rows) else 1
+    return in_turns(args, entries, truth, (summary, table))
 
 
 if __name__ == "__main__":

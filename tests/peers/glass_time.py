@@ -16,7 +16,6 @@ Wall-clock and processor times are medians over rounds, differences of colour an
 Exit status 1 if a photon map of this project misses a 95th percentile of 5 over all pixels, or the truth's luminance by 1 %.
 """
 import argparse
-import json
 import os
 import pathlib
 import statistics
@@ -26,8 +25,8 @@ import xml.etree.ElementTree as ElementTree
 
 import numpy as np
 
-from cornell_time import Mitsuba, Own, Radiance, lamp, measured, read_exr
-from mitsuba_direct import ROOT, compare
+from cornell_time import Mitsuba, Own, Radiance, in_turns, lamp, measured, read_exr
+from mitsuba_direct import ROOT
 from verify_radiance import binaries
 
 SCENE = "cornell-box-glass"
@@ -161,23 +160,7 @@ def main() -> int:
     mi.set_variant("scalar_rgb")
     true = truth(args)
     entries = contenders(args)
-    runs = [[] for _ in entries]
-    for seed in range(args.rounds):
-        for entry, results in zip(entries, runs):
-            picture, wall, cpu, render = entry.render(seed)
-            result = compare(true, picture)
-            result["luminance_ratio"] = 1 / result["luminance_ratio"]
-            results.append(result | {"wall": wall, "cpu": cpu, "render": render})
-            print(f"round {seed}: {entry.name}: {wall:.2f} s, p95 {result['p95_delta_e00_all']:.2f}", file=sys.stderr)
-    rows = [summary(entry, results) for entry, results in zip(entries, runs)]
-    table(rows)
-    report = json.dumps({"rounds": args.rounds, "size": args.size, "threads": args.threads or os.cpu_count(),
-                         "mitsuba": mi.__version__, "rows": rows}, indent=1, ensure_ascii=False)
-    if args.json:
-        args.json.write_text(report + "\n")
-    else:
-        print(report)
-    return 0 if all(row["passed"] is not False for row in rows) else 1
+    return in_turns(args, entries, true, (summary, table))
 
 
 if __name__ == "__main__":
