@@ -6,7 +6,7 @@ use spectral_core::bound::delta_e_bound;
 use spectral_core::expression::{Order, Sources};
 use spectral_core::interval::{Interval, Node};
 
-use super::super::hats::{Hat, Lines, STEPS, measure};
+use super::super::hats::{Hat, Lines, STEPS};
 use super::super::{Deferred, Monomial, PairBuild, Radiance, Tracer};
 use super::{Products, SharedIntervals, Term, halves};
 
@@ -18,10 +18,10 @@ const UNEVEN: f64 = 0.5;
 
 /// A pixel's radiance as the sources of a program: first its products, then its deferred light.
 ///
-/// Paths change less from wavelength to wavelength than spectra do, and steadily. So deferred light is traced for the halves of the domain. Where
-/// these differ by no more than may be neglected, all intervals have theirs by the line in 1/λ² through the two. Else it is traced for the middle, too;
-/// where the line meets that, all have theirs by the parabola through the three. Where it doesn't, the same is tried with each half, and so on. How far
-/// light may be off is estimated for each interval, and enters the bound.
+/// Paths change less from wavelength to wavelength than spectra do, and steadily. So deferred light is traced for the halves of the domain and
+/// for its middle; where a line in 1/λ² through the halves' light meets that in the middle, all intervals have theirs by the parabola through
+/// the three. Where it doesn't, the same is tried with each half, and so on. How far light may be off is estimated for each interval, and
+/// enters the bound.
 pub(super) struct Pixel<'p, 'a> {
     shared: &'a SharedIntervals<'a>,
     terms: &'p [(Term, f64)],
@@ -30,8 +30,8 @@ pub(super) struct Pixel<'p, 'a> {
     products: &'p mut Products,
     /// Light that was traced for the middle wavelengths of intervals.
     traced: ByNode<Radiance>,
-    /// How light for the parts of an interval can be interpolated between that of itself and its halves.
-    courses: ByNode<Course>,
+    /// Whether light for the parts of an interval can be interpolated between that of itself and its halves.
+    is_steady: ByNode<bool>,
     /// How far the interval's tristimulus values may be off by the path that was traced.
     path_radii: ByNode<[f64; 3]>,
     /// About the pixel's tristimulus values, once they have been asked for.
@@ -89,15 +89,6 @@ const fn key(group: &Group, node: Node) -> (u32, u32) {
     (group.number, node.position() as u32)
 }
 
-/// How light changes within an interval.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Course {
-    /// So little that the middle need not be looked at.
-    Little,
-    Steady,
-    Unsteady,
-}
-
 /// Deferred light on an interval, and what its tristimulus values may be off by.
 struct Served {
     light: Radiance,
@@ -110,8 +101,8 @@ impl<'p, 'a> Pixel<'p, 'a> {
         (terms, groups): (&'p [(Term, f64)], &'p [Group]),
         tracer: &'p mut dyn Tracer,
     ) -> Self {
-        let (traced, courses, path_radii) = (ByNode::default(), ByNode::default(), ByNode::default());
-        Self { shared, terms, groups, tracer, products, traced, courses, path_radii, total: None }
+        let (traced, is_steady, path_radii) = (ByNode::default(), ByNode::default(), ByNode::default());
+        Self { shared, terms, groups, tracer, products, traced, is_steady, path_radii, total: None }
     }
 
     /// Deferred light traced for the middle wavelength of an interval, once.
@@ -176,10 +167,8 @@ impl<'p, 'a> Pixel<'p, 'a> {
         }
         let mut ancestors: Vec<Node> = core::iter::successors(node.parent(), |node| node.parent()).collect();
         while let Some(wider) = ancestors.pop() {
-            match self.course(deferred, wider) {
-                Course::Little => return self.on_line(deferred, wider, node),
-                Course::Steady => return self.interpolated(deferred, wider, node),
-                Course::Unsteady => {}
+            if self.is_steady(deferred, wider) {
+                return self.interpolated(deferred, wider, node);
             }
         }
         let before = match node.parent() {
@@ -213,46 +202,28 @@ impl<'p, 'a> Pixel<'p, 'a> {
         Served { light, estimate: core::array::from_fn(|a| change[a].abs() + bend[a].abs()) }
     }
 
-    /// The light of an interval by the line through the halves of a wider one. It may be off by as much as these differ.
-    fn on_line(&mut self, deferred: &Group, wider: Node, node: Node) -> Served {
-        let [first, last] = halves(wider);
-        let [from, to] = [first, last].map(|half| measure(self.shared.band(half).wavelength));
-        let at = (measure(self.shared.band(node).wavelength) - from) / (to - from);
-        let mut light = self.combined(deferred, &[(first, 1.0 - at), (last, at)]);
-        light.keep_positive();
-        let change = self.combined(deferred, &[(first, -1.0), (last, 1.0)]);
-        Served { light, estimate: self.colour(&change, node).map(f64::abs) }
-    }
-
-    /// Whether light differs little at the middles of an interval's halves, or is on a line, near enough, with that at its own. Three that differ much,
+    /// Whether light is on a line, near enough, at the middles of an interval and its halves. Three that differ much,
     /// as in a prism's spectrum, may be on a line by chance: then all that they differ by counts.
-    fn course(&mut self, deferred: &Group, node: Node) -> Course {
-        if let Some(known) = self.courses.get(&key(deferred, node)) {
+    fn is_steady(&mut self, deferred: &Group, node: Node) -> bool {
+        if let Some(known) = self.is_steady.get(&key(deferred, node)) {
             return *known;
+        }
+        let [first, last] = halves(node);
+        let [a, b, c] = self.shared.bend(node);
+        let bend = self.combined(deferred, &[(first, a), (node, b), (last, c)]);
+        let mut estimate = self.colour(&bend, node).map(f64::abs);
+        let change = self.combined(deferred, &[(first, -1.0), (last, 1.0)]);
+        let own = self.combined(deferred, &[(node, 1.0)]);
+        let [change, own] = [&change, &own].map(|light| self.colour(light, node).map(f64::abs));
+        if (0..3).any(|a| change[a] > UNEVEN * own[a]) {
+            estimate = core::array::from_fn(|a| estimate[a].max(change[a]));
         }
         #[allow(clippy::cast_precision_loss, reason = "a pixel has fewer")]
         let groups = self.groups.len() as f64;
         let allowed = PATH_SHARE * self.shared.settings.threshold * self.share(node) / groups;
-        let (total, white) = (self.total(), self.shared.white);
-        let is_allowed = |estimate: [f64; 3]| delta_e_bound(total, estimate, white).delta_e <= allowed;
-        let [first, last] = halves(node);
-        let change = self.combined(deferred, &[(first, -1.0), (last, 1.0)]);
-        let change = self.colour(&change, node).map(f64::abs);
-        let course = if is_allowed(change) {
-            Course::Little
-        } else {
-            let [a, b, c] = self.shared.bend(node);
-            let bend = self.combined(deferred, &[(first, a), (node, b), (last, c)]);
-            let mut estimate = self.colour(&bend, node).map(f64::abs);
-            let own = self.combined(deferred, &[(node, 1.0)]);
-            let own = self.colour(&own, node).map(f64::abs);
-            if (0..3).any(|a| change[a] > UNEVEN * own[a]) {
-                estimate = core::array::from_fn(|a| estimate[a].max(change[a]));
-            }
-            if is_allowed(estimate) { Course::Steady } else { Course::Unsteady }
-        };
-        self.courses.insert(key(deferred, node), course);
-        course
+        let is_steady = delta_e_bound(self.total(), estimate, self.shared.white).delta_e <= allowed;
+        self.is_steady.insert(key(deferred, node), is_steady);
+        is_steady
     }
 
     /// Products of spectra on an interval.
