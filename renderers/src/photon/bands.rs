@@ -36,7 +36,7 @@ pub(super) struct Thrown {
     brightness: Vec<f32>,
     pub(super) footprints: Footprints,
     /// How photons move with the wavelength, if that is known: those of the map, and of another the parts of their ways where these have no photon.
-    ways: Option<Box<Moving>>,
+    moving: Option<Box<Moving>>,
 }
 
 /// How the photons of a map move (until it is said how far they count), and others that do.
@@ -54,7 +54,7 @@ impl Thrown {
     /// Photons that don't count anywhere until it is said how far they do.
     pub(super) fn new(photons: Vec<Photon>, spectra: Arc<Spectra>, emission: &Emission<'_>) -> Self {
         let brightness = emission.brightness(&spectra);
-        Self { map: PhotonMap::new(photons), spectra, brightness, footprints: Footprints::default(), ways: None }
+        Self { map: PhotonMap::new(photons), spectra, brightness, footprints: Footprints::default(), moving: None }
     }
 
     /// The photons of all paths, each at a wavelength in nm of its own, that are known at all others, too: where they move far, their ways are
@@ -77,19 +77,19 @@ impl Thrown {
         let others = PhotonMap::new(rest.0);
         let of_others = others.origins().iter().filter_map(|origin| rest.1.get(*origin as usize).copied()).collect();
         let (footprints, steps) = (Footprints::default(), curves.steps());
-        thrown.ways = Some(Box::new(Moving { motions, others, of_others, footprints, steps }));
+        thrown.moving = Some(Box::new(Moving { motions, others, of_others, footprints, steps }));
         thrown
     }
 
     /// The same, with how far photons count: for each leaf of the map. Parts of ways count as far as the photons do that are there; where there are
     /// none, as far as is said.
     pub(super) fn spread(mut self, radii: Vec<Footprint>, alone: Footprint) -> Self {
-        let Self { map, ways, .. } = &mut self;
+        let Self { map, moving: ways, .. } = &mut self;
         let moving = ways.as_ref().map(|ways| (ways.motions.as_slice(), ways.steps));
         let footprints = Footprints::new(map, radii, moving);
         if let Some(ways) = ways {
             let radius = |numbers: core::ops::Range<usize>| {
-                let photon = ways.others.photons().get(numbers.start)?;
+                let (_, photon) = ways.others.middle_of(numbers)?;
                 footprints.at(map, photon.surface, photon.position)
             };
             let radii = ways.others.leaves_photons().map(|numbers| radius(numbers).unwrap_or(alone)).collect();
@@ -101,7 +101,7 @@ impl Thrown {
 
     /// Whether it is known how photons move.
     pub(super) const fn is_moving(&self) -> bool {
-        self.ways.is_some()
+        self.moving.is_some()
     }
 
     /// Calls with photons that may count in a region of a surface at some wavelength, of which some are in the order of the leaf, and how far they
@@ -112,8 +112,8 @@ impl Thrown {
         region: &Region,
         mut call: impl FnMut(&super::ways::Ways, &[Photon], Footprint),
     ) {
-        let Some(ways) = &self.ways else { return };
-        for (map, footprints) in [(&self.map, &self.footprints), (&ways.others, &ways.footprints)] {
+        let Some(moving) = &self.moving else { return };
+        for (map, footprints) in [(&self.map, &self.footprints), (&moving.others, &moving.footprints)] {
             footprints.passing(map, surface, region, |ways, first, footprint| {
                 call(ways, map.photons().get(first as usize..).unwrap_or_default(), footprint);
             });
@@ -126,7 +126,7 @@ impl Thrown {
     }
 
     pub(super) fn bytes(&self) -> usize {
-        self.map.bytes() + self.footprints.bytes() + self.ways.as_ref().map_or(0, |ways| ways.bytes())
+        self.map.bytes() + self.footprints.bytes() + self.moving.as_ref().map_or(0, |ways| ways.bytes())
     }
 }
 

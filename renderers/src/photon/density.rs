@@ -125,10 +125,11 @@ pub(crate) struct Estimate {
     /// How much of the estimate is there because the density is not the same all over the kernel, in the same unit and with its sign: what
     /// noise doesn't explain of the difference to a smaller radius.
     pub(crate) bias: f64,
-    /// The radius, in scene units; 0 if nothing was found. The mean of radii, by their light, where photons have their own.
+    /// The radius, in scene units; 0 if nothing was found. The mean of radii, by their flux, where photons have their own.
     pub(crate) radius: f32,
-    /// The sum of contributions times the radii of photons that have their own.
-    radii: f64,
+    /// Where photons have their own radii, the sums of squared contributions, and of weights times fluxes and these times radii.
+    variance: f64,
+    radii: [f64; 2],
 }
 
 impl Estimate {
@@ -162,8 +163,8 @@ impl Estimate {
         self.clear();
     }
 
-    /// Adds a photon by its number, its weight, what its flux is worth, and how far it counts with which relative bias.
-    pub(super) fn add(&mut self, photon: u32, weight: f32, brightness: f32, (radius, bias): (f32, f32)) {
+    /// Adds a photon by its number, its weight, what its flux is worth and that flux, and how far it counts with which relative bias.
+    pub(super) fn add(&mut self, photon: u32, weight: f32, (brightness, flux): (f32, f32), (radius, bias): (f32, f32)) {
         if !(weight > 0.0) {
             return;
         }
@@ -172,15 +173,17 @@ impl Estimate {
         self.brightness.push(brightness);
         let contribution = f64::from(weight) * f64::from(brightness);
         self.value += contribution;
-        self.standard_error += contribution * contribution;
+        self.variance += contribution * contribution;
         self.bias += contribution * f64::from(bias);
-        self.radii += contribution * f64::from(radius);
+        let light = f64::from(weight) * f64::from(flux);
+        self.radii = [self.radii[0] + light, self.radii[1] + light * f64::from(radius)];
     }
 
-    /// The mean of the radii of all photons added, by their light; 0 if there is none.
+    /// The mean of the radii of all photons added, by their flux; 0 if there is none.
     #[allow(clippy::cast_possible_truncation, reason = "a mean of numbers of this size")]
     pub(super) fn mean_radius(&self) -> f32 {
-        if self.value > 0.0 { (self.radii / self.value) as f32 } else { 0.0 }
+        let [light, radii] = self.radii;
+        if light > 0.0 { (radii / light) as f32 } else { 0.0 }
     }
 
     /// Multiplies all weights: nothing is added after that.
@@ -188,7 +191,7 @@ impl Estimate {
     pub(super) fn finish(&mut self, scale: f64) {
         self.weights.iter_mut().for_each(|weight| *weight *= scale as f32);
         (self.value, self.bias) = (self.value * scale, self.bias * scale);
-        self.standard_error = self.standard_error.sqrt() * scale;
+        self.standard_error = self.variance.sqrt() * scale;
         self.radius = self.mean_radius();
     }
 
@@ -196,7 +199,8 @@ impl Estimate {
         self.near.clear();
         self.weights.clear();
         self.brightness.clear();
-        (self.value, self.standard_error, self.bias, self.radius, self.radii) = (0.0, 0.0, 0.0, 0.0, 0.0);
+        (self.value, self.standard_error, self.bias, self.radius) = (0.0, 0.0, 0.0, 0.0);
+        (self.variance, self.radii) = (0.0, [0.0; 2]);
     }
 }
 
@@ -251,15 +255,26 @@ impl Density {
         estimate: &mut Estimate,
     ) -> Footprint {
         let Some((levels, level)) = self.look_around(map, (place, Some(own)), brightness, estimate) else {
-            let radius = if self.radius.is_finite() { self.radius } else { 0.0 };
-            return Footprint { radius, bias: 0.0 };
+            return self.alone();
         };
         let (value, bias) = (levels.values[level], levels.bias(level));
         let bias = if value > 0.0 { (bias / value) as f32 } else { 0.0 };
         // As if the face went on: where photons are evenly dense, all count equally far, beside an edge too.
-        let share = if levels.is_widest { 1.0 } else { levels.mass_of(place, Kernel::Constant, level) };
-        let radius2 = levels.radius2(level) * share;
-        Footprint { radius: radius2.sqrt() as f32, bias }
+        let is_widest = levels.is_widest && level == 0;
+        let share = if is_widest { 1.0 } else { levels.mass_of(place, Kernel::Constant, level) };
+        let radius = (levels.radius2(level) * share).sqrt() as f32;
+        Footprint { radius: radius.max(self.smallest_at(place)), bias }
+    }
+
+    /// How far photons count that are alone.
+    pub(super) fn alone(&self) -> Footprint {
+        Footprint { radius: if self.radius.is_finite() { self.radius.max(LEAST_RADIUS) } else { 0.0 }, bias: 0.0 }
+    }
+
+    /// The smallest radius about a place.
+    fn smallest_at(&self, place: &Place<'_>) -> f32 {
+        let coordinate = place.position.iter().fold(0.0, |most: f32, x| most.max(x.abs()));
+        self.smallest.max(RESOLUTION * coordinate).max(LEAST_RADIUS)
     }
 
     /// Finds the photons about a place, but for one, and chooses between radii; `None` if there are none.
@@ -272,7 +287,7 @@ impl Density {
     ) -> Option<(Levels, usize)> {
         estimate.clear();
         let coordinate = place.position.iter().fold(0.0, |most: f32, x| most.max(x.abs()));
-        let smallest = self.smallest.max(RESOLUTION * coordinate).max(LEAST_RADIUS);
+        let smallest = self.smallest_at(place);
         let region = region(place, self.radius.max(smallest), coordinate);
         let find = |region: &Region, count: usize, near: &mut Vec<Near>| {
             map.nearest(place.surface, region, count.saturating_add(usize::from(without.is_some())), near);

@@ -2,8 +2,8 @@
 //!
 //! An estimate with a radius of the place where light is wanted takes light from beyond an edge, and nothing gives it back: the nearest photons of
 //! a dark place are those of a bright one. Where radii belong to photons instead (sample smoothing estimators: Terrell and Scott, "Variable Kernel
-//! Density Estimation", 1992), all light of a photon is on the surface once, whatever its radius, and where photons are evenly dense the estimate
-//! is without bias, however radii are chosen.
+//! Density Estimation", 1992), all light of a photon is on the surface once, whatever its radius (away from the ends of faces), and where photons are
+//! evenly dense the estimate is without bias, however radii are chosen.
 
 use core::ops::Range;
 
@@ -73,25 +73,27 @@ impl Box3 {
     }
 }
 
-/// Leaves of photons whose radii a thread evens out together.
-const LEAVES: usize = 64;
+/// Leaves of photons whose radii a thread chooses or evens out together.
+pub(super) const LEAVES: usize = 64;
 
 /// The radii of a map's leaves, each the geometric mean of those of the photons within it: where radii change at once, light that is even would have
 /// a step.
-#[allow(clippy::cast_precision_loss, reason = "a number of photons")]
 pub(super) fn evened(map: &PhotonMap, radii: &[Footprint]) -> Vec<Footprint> {
     let even = |near: &mut Vec<Near>, (numbers, own): (Range<usize>, &Footprint)| {
         let mean = || {
             let (_, photon) = map.middle_of(numbers)?;
             map.within(photon.surface, &Region::ball(photon.position, own.radius), near);
             let radius = |near: &Near| radii.get(map.leaf_of(near.photon)?).map(|footprint| footprint.radius);
-            let mut sum = 0.0;
+            let (mut sum, mut count) = (0.0, 0.0_f32);
             for radius in near.iter().filter_map(radius).filter(|radius| *radius > 0.0) {
                 sum += radius.ln();
+                count += 1.0;
             }
-            (!near.is_empty()).then(|| (sum / near.len() as f32).exp())
+            (count > 0.0 && own.radius > 0.0).then(|| (sum / count).exp())
         };
-        Footprint { radius: mean().filter(|_| own.radius > 0.0).unwrap_or(own.radius), ..*own }
+        let Some(radius) = mean() else { return *own };
+        // Biases go with the square.
+        Footprint { radius, bias: own.bias * (radius / own.radius).powi(2) }
     };
     let leaves: Vec<_> = map.leaves_photons().zip(radii).collect();
     leaves.into_par_iter().with_min_len(LEAVES).map_init(Vec::new, even).collect()
@@ -220,7 +222,7 @@ impl Footprints {
 impl Density {
     /// Estimates the irradiance at a place from the photons of its surface that don't move: each counts within a radius r of its own, at least
     /// `least`, at the distance d for its flux times K(d/r) / (r² m). m is the kernel's share on the face of the place for the mean of the radii, by
-    /// light.
+    /// flux.
     pub(super) fn estimate_by(
         &self,
         (map, footprints): (&PhotonMap, &Footprints),
@@ -233,7 +235,7 @@ impl Density {
             if let Some(photon) = map.photons().get(near.photon as usize).filter(|photon| place.sees(photon)) {
                 let Footprint { radius, bias } = footprint;
                 let weight = self.kernel.value(near.distance2 / (radius * radius)) / (radius * radius);
-                estimate.add(near.photon, weight, brightness(photon), (radius, bias));
+                estimate.add(near.photon, weight, (brightness(photon), photon.flux), (radius, bias));
             }
         });
         let mass = self.mass_within(place, f64::from(estimate.mean_radius()));

@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use super::bands::{BandReport, Bands, Slot, Thrown};
 use super::curves::{self, Curves};
 use super::density::region_of;
-use super::footprints::{Footprint, evened};
+use super::footprints::{Footprint, LEAVES, evened};
 use super::passing::Wanted;
 use super::reached::Reached;
 use super::waves::{Bundle, Waves};
@@ -21,7 +21,7 @@ use crate::geometry::{Hit, Ray};
 use crate::radiosity::Deposit;
 use crate::scene::Scene;
 use crate::spectral::Band;
-use crate::whitted::{Arrived, Arriving, Caustics, Ways, Whitted};
+use crate::whitted::{Arrived, Arriving, Caustics, Dispersion, Whitted};
 use spectral_core::interval::{FIRST_WAVELENGTH, LAST_WAVELENGTH};
 
 /// How photons that depend on the wavelength are thrown for a band.
@@ -79,9 +79,6 @@ const TRIED: usize = 4096;
 
 /// Bands are at least so wide, in nm: a 64th of all waves.
 const NARROWEST: f64 = 6.25;
-
-/// Leaves of photons whose radii a thread chooses together.
-const LEAVES: usize = 64;
 
 /// Of how many photons' places errors are taken.
 const PLACES: usize = 1024;
@@ -269,7 +266,7 @@ impl<'s> Maps<'s> {
             None => self.radii(&thrown),
             Some(whole) => {
                 let radius = |numbers: Range<usize>| {
-                    let photon = thrown.map.photons().get(numbers.start)?;
+                    let (_, photon) = thrown.map.middle_of(numbers)?;
                     whole.footprints.at(&whole.map, photon.surface, photon.position)
                 };
                 thrown.map.leaves_photons().map(|numbers| radius(numbers).unwrap_or(self.alone())).collect()
@@ -283,9 +280,11 @@ impl<'s> Maps<'s> {
         let map = &thrown.map;
         let radius = |scratch: &mut Estimate, numbers: Range<usize>| {
             let (number, photon) = map.middle_of(numbers)?;
-            let hit = self.hit(photon)?;
+            // Beside an edge it may not be found again: the distance of others tells, then.
+            let alone = Place { position: photon.position, normal: [0.0; 3], surface: photon.surface, face: None };
+            let place = self.hit(photon).map_or(alone, |hit| self.place(&hit));
             let worth = |photon: &Photon| thrown.worth(photon);
-            let Footprint { radius, bias } = self.density.footprint(map, (&self.place(&hit), number), worth, scratch);
+            let Footprint { radius, bias } = self.density.footprint(map, (&place, number), worth, scratch);
             Some(Footprint { radius: radius * self.shrink, bias: bias * self.shrink * self.shrink })
         };
         let leaves: Vec<Range<usize>> = map.leaves_photons().collect();
@@ -300,8 +299,8 @@ impl<'s> Maps<'s> {
 
     /// How far photons count that are alone.
     fn alone(&self) -> Footprint {
-        let radius = self.density.radius * self.shrink;
-        Footprint { radius: if radius.is_finite() { radius } else { 0.0 }, bias: 0.0 }
+        let Footprint { radius, bias } = self.density.alone();
+        Footprint { radius: radius * self.shrink, bias }
     }
 
     /// What there is about a hit.
@@ -380,7 +379,9 @@ impl<'s> Maps<'s> {
         let world = self.scene.world();
         let [low, high] = world.bounds();
         let direction = glam::Vec3A::from_array(photon.direction);
-        let origin = glam::Vec3A::from_array(photon.position) + direction * (SHORT * (high - low).length());
+        // Photons that are interpolated may be below a surface that bends.
+        let above = SHORT * (high - low).length() + 2.0 * NEAR * self.usual;
+        let origin = glam::Vec3A::from_array(photon.position) + direction * above;
         let hit = world.closest_hit(&Ray::new(origin, -direction))?;
         (surface(hit.shape, hit.front) == photon.surface).then_some(hit)
     }
@@ -409,7 +410,7 @@ impl<'s> Maps<'s> {
     pub(crate) fn bytes(&self) -> usize {
         let bands: usize = self.bands().iter().map(|band| band.bytes).sum();
         let curves = self.curves.as_ref().map_or(0, |i| i.curves.bytes());
-        self.even.map.bytes() + self.prefixes.capacity() * size_of::<Prefix>() + bands + curves
+        self.even.bytes() + self.prefixes.capacity() * size_of::<Prefix>() + bands + curves
     }
 }
 
@@ -449,20 +450,20 @@ impl Caustics for Maps<'_> {
         spectra.unwrap_or_else(|| Arc::clone(&self.even.spectra))
     }
 
-    fn dispersed(&self, hit: &Hit, (least, alike): (f32, bool), band: Option<Band>, found: &mut Arrived) -> Ways {
-        let Some(thrown) = self.whole.as_ref().and_then(|slot| slot.thrown.get()) else { return Ways::None };
+    fn dispersed(&self, hit: &Hit, (least, alike): (f32, bool), band: Option<Band>, found: &mut Arrived) -> Dispersion {
+        let Some(thrown) = self.whole.as_ref().and_then(|slot| slot.thrown.get()) else { return Dispersion::None };
         let place = self.place(hit);
         let mut region = region_of(&place, least);
         if thrown.is_moving() {
             // As far as photons are from where they are thought to be: on curved surfaces, and by rounding.
             region.thickness = 2.0 * region.thickness + if place.face.is_none() { NEAR * self.usual } else { 0.0 };
             found.passed.find(thrown, (&place, &region), &self.density, Wanted { band, alike });
-            return Ways::Known(Arc::clone(&thrown.spectra));
+            return Dispersion::Known(Arc::clone(&thrown.spectra));
         }
         let mut may_come = self.reached.is_near(hit.position);
         if !may_come {
             thrown.footprints.counting(&thrown.map, place.surface, &region, |_, _| may_come = true);
         }
-        if may_come { Ways::ByBands } else { Ways::None }
+        if may_come { Dispersion::ByBands } else { Dispersion::None }
     }
 }

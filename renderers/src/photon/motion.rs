@@ -9,9 +9,17 @@ pub(crate) struct Motion {
     /// What its position, in scene units, and its flux change by from 0 to 1.
     pub(super) position: [f32; 3],
     pub(super) flux: f32,
-    /// Where the photon is that moves, and from where to where it does; it is there up to the second, or up to 1 with that.
+    /// Where the photon is that moves, and from where to where it does.
     pub(super) at: f32,
     pub(super) limits: [f32; 2],
+}
+
+/// How much of a photon is at a place on a way between two others: half of it at their limits, where another half goes on, so that lines through what
+/// is there at the ends of steps have all of it.
+#[inline]
+pub(super) fn presence(at: f32, from: f32, to: f32) -> f32 {
+    let half = |is_there: bool| if is_there { 0.5 } else { 0.0 };
+    half((at >= from) & (at <= to)) + half((at > from) & (at < to))
 }
 
 impl Motion {
@@ -28,19 +36,26 @@ impl Motion {
         (core::array::from_fn(|i| photon.position[i] + middle * self.position[i]), self.position.map(|way| half * way))
     }
 
-    /// Where the photon would be at 0, and its flux there.
-    pub(super) fn start(&self, photon: &Photon) -> ([f32; 3], f32) {
-        let back = |now: f32, change: f32| now - self.at * change;
-        (core::array::from_fn(|i| back(photon.position[i], self.position[i])), back(photon.flux, self.flux))
+    /// Its place and flux at the middle of its way, and where that is: whatever is said about it from there is off by little, though it be fast.
+    pub(super) fn halfway(&self, photon: &Photon) -> ([f32; 3], f32, f32) {
+        let [from, to] = self.limits;
+        let middle = 0.5 * (from + to);
+        let to = middle - self.at;
+        (core::array::from_fn(|i| photon.position[i] + to * self.position[i]), photon.flux + to * self.flux, middle)
     }
 
-    /// Where the photon is somewhere on its way, and its flux there; `None` where it isn't.
+    /// From where to where it is there, for [`presence`].
+    pub(super) fn bounds(&self) -> [f32; 2] {
+        let [from, to] = self.limits;
+        [if from <= 0.0 { f32::NEG_INFINITY } else { from }, if to >= 1.0 { f32::INFINITY } else { to }]
+    }
+
+    /// Where the photon is somewhere on its way, its flux there, and how much of it.
     #[cfg(test)]
-    pub(super) fn at(&self, photon: &Photon, to: f32) -> Option<([f32; 3], f32)> {
-        let [from, end] = self.limits;
-        let (start, flux) = self.start(photon);
-        let is_there = to >= from && (to < end || end >= 1.0);
-        is_there.then(|| (core::array::from_fn(|i| start[i] + to * self.position[i]), flux + to * self.flux))
+    pub(super) fn at(&self, photon: &Photon, to: f32) -> ([f32; 3], f32, f32) {
+        let (place, flux, middle) = self.halfway(photon);
+        let (t, [from, end]) = (to - middle, self.bounds());
+        (core::array::from_fn(|i| place[i] + t * self.position[i]), flux + t * self.flux, presence(to, from, end))
     }
 
     /// How fast it is: how far it would go from 0 to 1, in scene units.

@@ -21,7 +21,7 @@ pub(crate) struct Passed {
     pub(crate) list: Vec<Passing>,
     /// Irradiances for a spectrum of 1, and sums of the squares of what each photon has of them.
     pub(crate) irradiances: Vec<f32>,
-    pub(crate) squares: Vec<f32>,
+    pub(crate) squares: Vec<f64>,
     /// In how many steps it changes by 1/λ² over the visible wavelengths, most of it.
     pub(crate) steps: u16,
     /// What all irradiances are multiplied by, and the part of the error that each photon has, relative to its light: the squares of all parts add up
@@ -40,7 +40,8 @@ pub(crate) struct Passing {
     pub(crate) spectrum: u32,
     /// In how many steps it is known.
     pub(crate) steps: u16,
-    /// At the end of which step it is known first, and from there on at all: a part of [`Passed::irradiances`] and [`Passed::squares`].
+    /// The number of the first end of a step at which it is known, and what is known from there on: a part of [`Passed::irradiances`] and of
+    /// [`Passed::squares`].
     pub(crate) first: u16,
     pub(crate) known: Range<usize>,
 }
@@ -96,15 +97,19 @@ impl Passed {
 
     /// Adds up the light of all photons of a leaf, which are of one product; the sum at all wavelengths.
     fn add_all(&mut self, (ways, spectrum): (&Ways, u32), nodes: [u16; 2]) -> f32 {
-        let sums = |row: &[f32; LEAF]| row.iter().fold([0.0; 2], |[sum, squares], x| [sum + x, squares + x * x]);
-        let total: f32 = self.table.iter().map(|row| sums(row)[0]).sum();
+        let sum_of = |row: &[f32; LEAF]| row.iter().sum::<f32>();
+        let total: f32 = self.table.iter().map(sum_of).sum();
         if total > 0.0 {
             let known = self.known((ways.steps, spectrum), nodes);
             let own = self.irradiances[known.clone()].iter_mut().zip(&mut self.squares[known]);
             for ((irradiance, squares), row) in own.zip(&self.table) {
-                let [sum, square] = sums(row);
+                let sum = sum_of(row);
                 *irradiance += sum;
-                *squares += square;
+                if sum > 0.0 {
+                    // Relative to the sum, squares are of moderate size.
+                    let relative = row.iter().fold(0.0, |squares, x| squares + (x / sum) * (x / sum));
+                    *squares += f64::from(relative) * f64::from(sum) * f64::from(sum);
+                }
             }
         }
         total
@@ -134,7 +139,7 @@ impl Passed {
             let own = self.irradiances[known.clone()].iter_mut().zip(&mut self.squares[known]);
             for ((irradiance, squares), row) in own.zip(&self.table) {
                 *irradiance += row[lane];
-                *squares += row[lane] * row[lane];
+                *squares += f64::from(row[lane]) * f64::from(row[lane]);
             }
         }
         total
@@ -161,17 +166,18 @@ impl Passed {
     /// Decides on the steps, and on the part of the error that photons have.
     #[allow(clippy::cast_precision_loss, reason = "few wavelengths")]
     fn judge(&mut self, sums: Sums) {
-        let mean = |of: &[f32], known: &Range<usize>| {
-            of[known.clone()].iter().map(|x| f64::from(*x)).sum::<f64>() / known.len() as f64
+        let mean = |known: &Range<usize>| {
+            self.irradiances[known.clone()].iter().map(|x| f64::from(*x)).sum::<f64>() / known.len() as f64
         };
-        let squares: f64 = self.list.iter().map(|passing| mean(&self.squares, &passing.known)).sum();
+        let square = |known: &Range<usize>| self.squares[known.clone()].iter().sum::<f64>() / known.len() as f64;
+        let squares: f64 = self.list.iter().map(|passing| square(&passing.known)).sum();
         self.error = if squares > 0.0 { (1.0 + sums.biases * sums.biases / squares).sqrt() } else { 0.0 };
         self.steps = self.list.iter().map(|passing| passing.steps).max().unwrap_or(1);
         let least = self.list.iter().map(|passing| passing.steps).min().unwrap_or(1);
         let mut faster = 0.0;
         while self.steps > least {
             let own = self.list.iter().filter(|passing| passing.steps == self.steps);
-            faster += own.map(|passing| mean(&self.irradiances, &passing.known)).sum::<f64>();
+            faster += own.map(|passing| mean(&passing.known)).sum::<f64>();
             if faster > FASTEST * sums.light {
                 break;
             }
@@ -182,11 +188,11 @@ impl Passed {
 
 impl Passing {
     /// Some of its numbers at the end of a step, of so many: between those that are known on a line, or of more the mean about it.
-    pub(crate) fn at(&self, numbers: &[f32], node: u16, steps: u16) -> f64 {
+    pub(crate) fn at<N: Copy + Into<f64>>(&self, numbers: &[N], node: u16, steps: u16) -> f64 {
         let known = numbers.get(self.known.clone()).unwrap_or_default();
         let number = |own: i32| -> Option<f64> {
             let place = usize::try_from(own - i32::from(self.first)).ok()?;
-            known.get(place).map(|x| f64::from(*x))
+            known.get(place).map(|x| (*x).into())
         };
         if steps == self.steps {
             return number(i32::from(node)).unwrap_or(0.0);
@@ -207,5 +213,56 @@ impl Passing {
             }
         }
         if total > 0.0 { sum / total } else { 0.0 }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+
+    use super::{Passed, Passing, Sums};
+
+    fn passing(steps: u16, [first, end]: [u16; 2]) -> Passing {
+        Passing { direction: DVec3::ZERO, spectrum: 0, steps, first, known: 0..usize::from(end - first) }
+    }
+
+    /// A line is the same in more steps and in fewer; its ends, in fewer, lean to what is known.
+    #[test]
+    fn lines_are_known_in_any_steps() {
+        for (steps, [first, end]) in [(1, [0, 2]), (4, [0, 5]), (4, [1, 4]), (8, [3, 6])] {
+            let line = passing(steps, [first, end]);
+            let numbers: Vec<f64> = (first..end).map(|node| 3.0 + 2.0 * f64::from(node) / f64::from(steps)).collect();
+            for others in [1_u16, 2, 4, 8, 64] {
+                for node in 0..=others {
+                    let at = f64::from(node) / f64::from(others) * f64::from(steps);
+                    // A whole step is known on both sides, or the end itself.
+                    let room = f64::from((steps / others).max(1)) - 1.0;
+                    let is_within = at - room >= f64::from(first) && at + room <= f64::from(end - 1);
+                    let found = line.at(&numbers, node, others);
+                    assert!(
+                        !is_within || (found - 3.0 - 2.0 * at / f64::from(steps)).abs() <= 1e-12,
+                        "{steps} {others} {node}: {found}"
+                    );
+                }
+            }
+        }
+        // What is lost between known places is not made up.
+        assert_eq!(passing(4, [0, 1]).at(&[5.0_f64], 4, 4), 0.0);
+    }
+
+    /// Most of the light says in how many steps it is looked at, and photons' part of the error has the bias in it.
+    #[test]
+    fn little_light_that_is_fast_does_not_count() {
+        for (fast, steps) in [(0.05_f32, 2), (0.5, 8)] {
+            let list = vec![passing(2, [0, 3]), Passing { known: 3..12, ..passing(8, [0, 9]) }];
+            let irradiances: Vec<f32> = [1.0; 3].into_iter().chain([fast; 9]).collect();
+            let squares = irradiances.iter().map(|x| f64::from(*x) * 0.01).collect();
+            let mut passed = Passed { list, irradiances, squares, ..Passed::default() };
+            let light = 1.0 + f64::from(fast);
+            passed.judge(Sums { light, radii: light, biases: 0.1 * light });
+            assert_eq!(passed.steps, steps);
+            let squares = 0.01 * light;
+            assert!((passed.error - (1.0 + 0.01 * light * light / squares).sqrt()).abs() <= 1e-6);
+        }
     }
 }

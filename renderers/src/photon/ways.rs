@@ -2,7 +2,7 @@
 
 use super::kernel::Kernel;
 use super::map::{LEAF, Region};
-use super::motion::Motion;
+use super::motion::{Motion, presence};
 use super::{Photon, curves};
 
 /// In how many steps light is found at a place while photons move by the radius within which they count, and in how many at most: a power of two.
@@ -12,13 +12,14 @@ const MOST_STEPS: u16 = 128;
 /// Where the photons of a leaf are between the first key (0) and the last (1).
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Ways {
-    /// Where they would be at 0, by axis, and how far they go to 1; in scene units.
-    start: [[f32; LEAF]; 3],
+    /// Where they are at the middles of their ways, by axis, and how far they would go from 0 to 1; in scene units.
+    place: [[f32; LEAF]; 3],
     way: [[f32; LEAF]; 3],
-    /// Their fluxes at 0, and by how much they change to 1.
+    /// Their fluxes there, and by how much they would change from 0 to 1.
     flux: [f32; LEAF],
     change: [f32; LEAF],
-    /// From where on they are there, and up to where, that not included.
+    /// Where these middles are, and from where to where they are there.
+    middle: [f32; LEAF],
     limits: [[f32; LEAF]; 2],
     /// The product of spectra that their fluxes are multiplied by, if it is the same.
     pub(super) spectrum: Option<u32>,
@@ -34,7 +35,7 @@ pub(super) struct About<'r> {
     pub(super) kernel: Kernel,
 }
 
-/// Coefficients by how far photons are on their ways: of the squares of their distances from a place, and of their heights above its plane.
+/// Coefficients by how far photons are from the middles of their ways: of the squares of their distances from a place, and of their heights above its plane.
 struct Course {
     square: [[f32; LEAF]; 3],
     height: [[f32; LEAF]; 2],
@@ -46,30 +47,34 @@ impl Ways {
         let none = [0.0; LEAF];
         let first = photons.first().map(|photon| photon.spectrum);
         let mut ways = Self {
-            start: [none; 3],
+            place: [none; 3],
             way: [none; 3],
             flux: none,
             change: none,
+            middle: none,
+            // Nowhere.
             limits: [[f32::INFINITY; LEAF], none],
             spectrum: first.filter(|first| photons.iter().all(|photon| photon.spectrum == *first)),
             steps: 1,
         };
-        let mut speeds = Vec::with_capacity(LEAF);
+        let (mut speeds, mut shortest) = (Vec::with_capacity(LEAF), 1.0_f32);
         for (i, (photon, motion)) in photons.iter().zip(motions).enumerate() {
-            let (start, flux) = motion.start(photon);
-            let axes = ways.start.iter_mut().zip(&mut ways.way);
-            for ((from, way), (start, all)) in axes.zip(start.into_iter().zip(motion.position)) {
-                (from[i], way[i]) = (start, all);
+            let (place, flux, middle) = motion.halfway(photon);
+            let axes = ways.place.iter_mut().zip(&mut ways.way);
+            for ((own, way), (place, all)) in axes.zip(place.into_iter().zip(motion.position)) {
+                (own[i], way[i]) = (place, all);
             }
-            (ways.flux[i], ways.change[i]) = (flux, motion.flux);
+            (ways.flux[i], ways.change[i], ways.middle[i]) = (flux, motion.flux, middle);
+            let [from, to] = motion.bounds();
+            (ways.limits[0][i], ways.limits[1][i]) = (from, to);
             let [from, to] = motion.limits;
-            (ways.limits[0][i], ways.limits[1][i]) = (from, if to >= 1.0 { f32::INFINITY } else { to });
+            shortest = if to > from { shortest.min(to - from) } else { shortest };
             speeds.push(motion.speed() / radius);
         }
-        let radii = curves::of_nine_in_ten(&mut speeds);
+        // Fluxes change from key to key, too, where photons hardly move; and all ways end at the end of a step.
+        let steps = (STEPS * curves::of_nine_in_ten(&mut speeds)).max(1.0 / shortest).ceil();
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "within limits")]
-        let steps = ((STEPS * radii).ceil().clamp(1.0, f32::from(MOST_STEPS)) as u16).next_power_of_two();
-        // Fluxes change from key to key, too, where photons hardly move.
+        let steps = (steps.clamp(1.0, f32::from(MOST_STEPS)) as u16).next_power_of_two();
         ways.steps = steps.max(least);
         ways
     }
@@ -77,7 +82,7 @@ impl Ways {
     /// About a place.
     fn course(&self, region: &Region) -> Course {
         let Region { position: p, normal: n, .. } = *region;
-        let ([x, y, z], [u, v, w]) = (&self.start, &self.way);
+        let ([x, y, z], [u, v, w]) = (&self.place, &self.way);
         let mut course = Course { square: [[0.0; LEAF]; 3], height: [[0.0; LEAF]; 2] };
         for i in 0..LEAF {
             let (d, way) = ([x[i] - p[0], y[i] - p[1], z[i] - p[2]], [u[i], v[i], w[i]]);
@@ -113,13 +118,14 @@ impl Ways {
     fn at(&self, about: About<'_>, course: &Course, at: f32, kernel: impl Fn(f32) -> f32) -> [f32; LEAF] {
         let About { region: Region { thickness, slope, .. }, radius, .. } = about;
         let (thickness2, slope2, by_area) = (thickness * thickness, slope * slope, 1.0 / (radius * radius));
-        let ([a, b, c], [h, k], [from, to]) = (&course.square, &course.height, &self.limits);
+        let ([a, b, c], [h, k], [from, to], middle) = (&course.square, &course.height, &self.limits, &self.middle);
         let mut light = [0.0; LEAF];
         for i in 0..LEAF {
-            let distance2 = (a[i] + at * (b[i] + at * c[i])).max(0.0);
-            let height = h[i] + at * k[i];
-            let flux = (self.flux[i] + at * self.change[i]).max(0.0);
-            let counts = (height * height <= thickness2 + slope2 * distance2) & (at >= from[i]) & (at < to[i]);
+            let t = at - middle[i];
+            let distance2 = (a[i] + t * (b[i] + t * c[i])).max(0.0);
+            let height = h[i] + t * k[i];
+            let flux = (self.flux[i] + t * self.change[i]).max(0.0) * presence(at, from[i], to[i]);
+            let counts = height * height <= thickness2 + slope2 * distance2;
             let value = flux * by_area * kernel((1.0 - distance2 * by_area).max(0.0));
             light[i] = if counts { value } else { 0.0 };
         }

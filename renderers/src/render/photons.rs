@@ -59,7 +59,7 @@ impl Default for PhotonOptions {
 /// The most memory that photons may take, in bytes.
 const MOST_BYTES: u64 = 4 << 30;
 
-/// The part of the scene's diagonal that the largest distance of an estimate's photons is.
+/// The part of the scene's diagonal that the largest distance at which photons count is.
 const RADIUS: f64 = 1.0 / 40.0;
 
 /// What became of the photons of the last pass, for reports.

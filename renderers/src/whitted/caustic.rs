@@ -26,11 +26,11 @@ pub(crate) trait Caustics: Sync {
 
     /// Finds the light that reaches a place by ways that depend on the wavelength: at all wavelengths, or at those that it takes for a band, and
     /// whether its directions matter or are all alike. What was found of such light before is forgotten.
-    fn dispersed(&self, hit: &Hit, how: (f32, bool), band: Option<Band>, found: &mut Arrived) -> Ways;
+    fn dispersed(&self, hit: &Hit, how: (f32, bool), band: Option<Band>, found: &mut Arrived) -> Dispersion;
 }
 
 /// What is known of light whose way to a place depends on the wavelength.
-pub(crate) enum Ways {
+pub(crate) enum Dispersion {
     /// That there is none.
     None,
     /// How it changes, and the products of spectra that it refers to.
@@ -264,9 +264,9 @@ impl<'s> Worker<'s> {
         let place = Dispersed { hit: *hit, direction, path };
         let alike = matches!(self.scene.material(hit), Some(Material::Diffuse(_)));
         let spectra = match caustics.dispersed(hit, (self.least(path), alike), path.band, &mut self.arriving) {
-            Ways::None => return,
-            Ways::Known(spectra) => spectra,
-            Ways::ByBands => return self.by_bands(place, radiance),
+            Dispersion::None => return,
+            Dispersion::Known(spectra) => spectra,
+            Dispersion::ByBands => return self.by_bands(place, radiance),
         };
         if self.arriving.passed.list.is_empty() {
             return;
@@ -452,7 +452,7 @@ impl<'s> Worker<'s> {
 mod tests {
     use spectral_core::Observer;
 
-    use super::{Curve, between, wavelength_at};
+    use super::{Curve, between, nodes_of, wavelength_at};
     use crate::spectral::{Band, Monomial, measure};
 
     /// A curve through the light at nodes, of which there is one more than steps.
@@ -464,6 +464,26 @@ mod tests {
 
     fn of(curve: &Curve, band: Band) -> f64 {
         curve.over(band).terms().iter().map(|(_, weight)| weight).sum()
+    }
+
+    /// A band has the same light where only what it asks for is known.
+    #[test]
+    fn bands_ask_for_all_that_they_need() {
+        let light = |wavelength: f64| 2.0 + (9.0 * between(wavelength)).sin();
+        for steps in [1, 2, 4, 32, 128] {
+            let whole = curve(steps, light);
+            for (from, to) in
+                [(380.0, 780.0), (380.0, 381.0), (779.0, 780.0), (480.0, 600.0), (555.0, 555.0), (380.0, 380.0)]
+            {
+                let band = Band { wavelength: f64::midpoint(from, to), limits: [from, to] };
+                let [first, end] = nodes_of(band, steps);
+                assert!(first < end && end <= steps + 1);
+                let mut part = whole.clone();
+                let unasked = |(node, _): &(usize, &mut f64)| !(usize::from(first)..usize::from(end)).contains(node);
+                part.weights.iter_mut().enumerate().filter(unasked).for_each(|(_, weight)| *weight = f64::NAN);
+                assert_eq!(of(&part, band), of(&whole, band), "{steps} {from} {to}");
+            }
+        }
     }
 
     /// Light at a single wavelength is found exactly where it is a line in 1/λ²; over a band it is the mean by x̄ + ȳ + z̄.

@@ -24,7 +24,7 @@ mod refraction;
 mod schlick;
 
 pub(crate) use build::camera;
-pub(crate) use caustic::{Arrived, Arriving, Caustics, Ways, nodes_of};
+pub(crate) use caustic::{Arrived, Arriving, Caustics, Dispersion, nodes_of};
 
 use alloc::sync::Arc;
 

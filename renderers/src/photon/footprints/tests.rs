@@ -110,69 +110,71 @@ fn all_light_is_there_once_beside_edges() {
     }
 }
 
-/// Light of photons that move is at each wavelength that of photons that are where these are then, by all kernels; no leaf is forgotten.
+/// Light of photons that move is at each wavelength that of photons that are where these are then, by all kernels; no leaf is forgotten. Some are fast,
+/// and there for a short while only.
 #[test]
+#[allow(clippy::cast_precision_loss, clippy::cast_possible_truncation, reason = "few nodes, and as the kernel has it")]
 fn photons_that_move_are_where_they_are_at_each_wavelength() {
+    const RADII: [f32; 4] = [0.02, 0.1, 0.0, 0.4];
     let mut random = Random::new(5);
     let mut next = |size: f32| [0; 2].map(|_| size * (random.next() * 2.0 - 1.0));
     let (mut photons, mut motions) = (Vec::new(), Vec::new());
     for number in 0..3000_u32 {
-        let ([x, y], size) = (next(1.0), [0.0, 1e-20, 0.01, 0.3][number as usize % 4]);
+        let ([x, y], size) = (next(1.0), [0.0, 1e-20, 0.01, 0.3, 60.0][number as usize % 5]);
         let ([u, v], [change, _]) = (next(size), next(0.5));
         photons.push(Photon { position: [x, y, 0.0], flux: 1.0, surface: number % 3, ..Photon::default() });
-        motions.push(Motion {
-            position: [u, v, 0.0],
-            flux: change,
-            at: 0.25,
-            limits: [[0.0, 1.0], [0.25, 0.5]][number as usize % 2],
-        });
+        let limits = if size > 1.0 { [0.875, 1.0] } else { [[0.0, 1.0], [0.25, 0.5]][number as usize % 2] };
+        motions.push(Motion { position: [u, v, 0.0], flux: change, at: 0.9, limits });
     }
-    let map = PhotonMap::new(photons.clone());
+    let map = PhotonMap::new(photons);
     let in_order: Vec<Motion> = map.origins().iter().map(|origin| motions[*origin as usize]).collect();
-    let radius = |leaf: usize| [0.02, 0.1, 0.0, 0.4][leaf % 4];
-    let radii: Vec<Footprint> =
-        (0..map.leaves_photons().count()).map(|leaf| Footprint { radius: radius(leaf), bias: 0.0 }).collect();
-    let footprints = Footprints::new(&map, radii, Some((&in_order, 4)));
+    let radii = (0..map.leaves_photons().count()).map(|leaf| Footprint { radius: RADII[leaf % 4], bias: 0.0 });
+    let footprints = Footprints::new(&map, radii.collect(), Some((&in_order, 4)));
+    let mut compared = 0;
     for number in 0..60_u32 {
         let [x, y] = next(1.2);
         let (least, kernel) = ([0.0, 0.05][number as usize % 2], Kernel::ALL[number as usize % 5]);
         let region = Region { normal: [0.0, 0.0, 1.0], thickness: 1e-6, ..Region::ball([x, y, 0.0], least) };
-        let (mut found, mut table) = (vec![[0.0_f64; 129]; 3000], Vec::new());
+        let (mut found, mut table) = (vec![Vec::new(); map.len()], Vec::new());
         footprints.passing(&map, number % 3, &region, |ways, first, footprint| {
             table.clear();
             ways.light(About { region: &region, radius: footprint.radius, kernel }, [0, ways.steps + 1], &mut table);
             assert!(ways.steps >= 4 && table.len() == usize::from(ways.steps) + 1);
-            for (node, row) in table.iter().enumerate() {
-                for (photon, light) in (first..).zip(row.iter().take(LEAF)).filter(|(_, light)| **light > 0.0) {
-                    let stride = 128 / usize::from(ways.steps);
-                    found[photon as usize][node * stride] = f64::from(*light);
-                    assert!(light.is_finite());
-                }
+            for lane in 0..LEAF.min(map.len() - first as usize) {
+                found[first as usize + lane] = table.iter().map(|row| f64::from(row[lane])).collect();
             }
         });
         for (leaf, numbers) in map.leaves_photons().enumerate() {
             for photon in numbers {
-                let (own, motion) = (&map.photons()[photon], &in_order[photon]);
-                let radius = f64::from(if radius(leaf) > 0.0 { radius(leaf).max(least) } else { 0.0 });
-                for (node, light) in (0_u8..=128).zip(&found[photon]) {
-                    let at = f64::from(node) / 128.0;
+                let (own, motion, light) = (&map.photons()[photon], &in_order[photon], &found[photon]);
+                let radius = f64::from(if RADII[leaf % 4] > 0.0 { RADII[leaf % 4].max(least) } else { 0.0 });
+                let is_looked_at = own.surface == number % 3 && radius > 0.0;
+                // Where a leaf wasn't looked at, none of it may count.
+                let nodes = if light.is_empty() { 129 } else { light.len() };
+                for node in 0..nodes {
+                    let at = node as f64 / (nodes - 1) as f64;
                     let [from, to] = motion.limits.map(f64::from);
-                    let is_there = at >= from && (at < to || to >= 1.0);
-                    let moved = |i: usize| f64::from(own.position[i]) + (at - 0.25) * f64::from(motion.position[i]);
-                    let t2 =
-                        ((moved(0) - f64::from(x)).powi(2) + (moved(1) - f64::from(y)).powi(2)) / (radius * radius);
-                    #[allow(clippy::cast_possible_truncation, reason = "as the kernel has it")]
+                    let (is_first, is_last) = (from <= 0.0 && at == 0.0, to >= 1.0 && at == 1.0);
+                    let present = match at {
+                        _ if is_first || is_last => 1.0,
+                        at if at == from || at == to => 0.5,
+                        at => f64::from(u8::from(at > from && at < to)),
+                    };
+                    let moved = |i: usize| f64::from(own.position[i]) + (at - 0.9) * f64::from(motion.position[i]);
+                    let distance2 = (moved(0) - f64::from(x)).powi(2) + (moved(1) - f64::from(y)).powi(2);
+                    let t2 = distance2 / (radius * radius);
                     let value = f64::from(kernel.value(t2 as f32)) / (radius * radius);
-                    let flux = f64::from(own.flux) + (at - 0.25) * f64::from(motion.flux);
-                    let truth = if is_there && radius > 0.0 && own.surface == number % 3 { flux * value } else { 0.0 };
-                    // Nodes that the leaf's steps don't have are 0; at the rim of the constant kernel rounding decides.
-                    let is_close = (light - truth).abs() <= 1e-3 / (radius * radius).max(1e-12);
-                    assert!(
-                        is_close || *light == 0.0 && node % 32 != 0 || (t2 - 1.0).abs() <= 1e-5,
-                        "{number} {photon} {node}: {light} {truth}"
-                    );
+                    let flux = (f64::from(own.flux) + (at - 0.9) * f64::from(motion.flux)) * present;
+                    let truth = if is_looked_at && t2 < 1.0 { flux * value } else { 0.0 };
+                    let light = light.get(node).copied().unwrap_or(0.0);
+                    // A ten thousandth of the way across, of a place that is known to some 1e-6.
+                    let tolerance = if radius > 0.0 { 1e-3 / (radius * radius) } else { 0.0 };
+                    let is_rim = (t2 - 1.0).abs() <= 1e-3;
+                    assert!((light - truth).abs() <= tolerance || is_rim, "{number} {photon} {at}: {light} {truth}");
+                    compared += u32::from(truth > 0.0);
                 }
             }
         }
     }
+    assert!(compared > 20_000, "{compared}");
 }
