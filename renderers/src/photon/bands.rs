@@ -84,17 +84,17 @@ impl Thrown {
     /// The same, with how far photons count: for each leaf of the map. Parts of ways count as far as the photons do that are there; where there are
     /// none, as far as is said.
     pub(super) fn spread(mut self, radii: Vec<Footprint>, alone: Footprint) -> Self {
-        let Self { map, moving: ways, .. } = &mut self;
-        let moving = ways.as_ref().map(|ways| (ways.motions.as_slice(), ways.steps));
-        let footprints = Footprints::new(map, radii, moving);
-        if let Some(ways) = ways {
+        let Self { map, moving, .. } = &mut self;
+        let motions = moving.as_ref().map(|moving| (moving.motions.as_slice(), moving.steps));
+        let footprints = Footprints::new(map, radii, motions);
+        if let Some(moving) = moving {
             let radius = |numbers: core::ops::Range<usize>| {
-                let (_, photon) = ways.others.middle_of(numbers)?;
+                let (_, photon) = moving.others.middle_of(numbers)?;
                 footprints.at(map, photon.surface, photon.position)
             };
-            let radii = ways.others.leaves_photons().map(|numbers| radius(numbers).unwrap_or(alone)).collect();
-            ways.footprints = Footprints::new(&ways.others, radii, Some((&ways.of_others, ways.steps)));
-            (ways.motions, ways.of_others) = (Vec::new(), Vec::new());
+            let radii = moving.others.leaves_photons().map(|numbers| radius(numbers).unwrap_or(alone)).collect();
+            moving.footprints = Footprints::new(&moving.others, radii, Some((&moving.of_others, moving.steps)));
+            (moving.motions, moving.of_others) = (Vec::new(), Vec::new());
         }
         Self { footprints, ..self }
     }
@@ -126,7 +126,7 @@ impl Thrown {
     }
 
     pub(super) fn bytes(&self) -> usize {
-        self.map.bytes() + self.footprints.bytes() + self.moving.as_ref().map_or(0, |ways| ways.bytes())
+        self.map.bytes() + self.footprints.bytes() + self.moving.as_ref().map_or(0, |moving| moving.bytes())
     }
 }
 

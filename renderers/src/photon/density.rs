@@ -96,7 +96,7 @@ impl core::error::Error for DensityError {}
 pub(crate) struct Place<'a> {
     /// In scene units.
     pub(crate) position: [f32; 3],
-    /// The unit geometric normal, on the side that is looked at.
+    /// The unit geometric normal, on the side that is looked at; zero if it isn't known.
     pub(crate) normal: [f32; 3],
     /// The shape and its side, as [`surface`](super::surface) numbers them.
     pub(crate) surface: u32,
@@ -105,9 +105,10 @@ pub(crate) struct Place<'a> {
 }
 
 impl Place<'_> {
-    /// Whether a photon comes from above the horizon: those that come from below that of a curved surface belong to other parts of it.
+    /// Whether a photon comes from above the horizon: those that come from below that of a curved surface belong to other parts of it. All do where the
+    /// horizon isn't known.
     pub(crate) fn sees(&self, photon: &Photon) -> bool {
-        self.face.is_some() || dot(photon.direction, self.normal) > 0.0
+        self.face.is_some() || self.normal == [0.0; 3] || dot(photon.direction, self.normal) > 0.0
     }
 }
 

@@ -92,8 +92,8 @@ pub(super) fn evened(map: &PhotonMap, radii: &[Footprint]) -> Vec<Footprint> {
             (count > 0.0 && own.radius > 0.0).then(|| (sum / count).exp())
         };
         let Some(radius) = mean() else { return *own };
-        // Biases go with the square.
-        Footprint { radius, bias: own.bias * (radius / own.radius).powi(2) }
+        // Biases go with the square, while they are small.
+        Footprint { radius, bias: own.bias * (radius / own.radius).powi(2).min(1.0) }
     };
     let leaves: Vec<_> = map.leaves_photons().zip(radii).collect();
     leaves.into_par_iter().with_min_len(LEAVES).map_init(Vec::new, even).collect()

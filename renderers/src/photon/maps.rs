@@ -280,7 +280,7 @@ impl<'s> Maps<'s> {
         let map = &thrown.map;
         let radius = |scratch: &mut Estimate, numbers: Range<usize>| {
             let (number, photon) = map.middle_of(numbers)?;
-            // Beside an edge it may not be found again: the distance of others tells, then.
+            // Beside an edge it may not be found again: the others tell without the plane, then.
             let alone = Place { position: photon.position, normal: [0.0; 3], surface: photon.surface, face: None };
             let place = self.hit(photon).map_or(alone, |hit| self.place(&hit));
             let worth = |photon: &Photon| thrown.worth(photon);
@@ -374,13 +374,18 @@ impl<'s> Maps<'s> {
         deposits
     }
 
-    /// The hit of the ray that brought a photon.
+    /// The hit of the ray that brought a photon. Photons that are interpolated may be below a surface that bends.
     fn hit(&self, photon: &Photon) -> Option<Hit> {
+        let bent = (self.usual > 0.0).then_some(2.0 * NEAR * self.usual);
+        self.hit_from(photon, 0.0).or_else(|| self.hit_from(photon, bent?))
+    }
+
+    /// The same of its last part: a short one and some more, in scene units.
+    fn hit_from(&self, photon: &Photon, more: f32) -> Option<Hit> {
         let world = self.scene.world();
         let [low, high] = world.bounds();
         let direction = glam::Vec3A::from_array(photon.direction);
-        // Photons that are interpolated may be below a surface that bends.
-        let above = SHORT * (high - low).length() + 2.0 * NEAR * self.usual;
+        let above = SHORT * (high - low).length() + more;
         let origin = glam::Vec3A::from_array(photon.position) + direction * above;
         let hit = world.closest_hit(&Ray::new(origin, -direction))?;
         (surface(hit.shape, hit.front) == photon.surface).then_some(hit)

@@ -102,12 +102,19 @@ impl Passed {
         if total > 0.0 {
             let known = self.known((ways.steps, spectrum), nodes);
             let own = self.irradiances[known.clone()].iter_mut().zip(&mut self.squares[known]);
-            for ((irradiance, squares), row) in own.zip(&self.table) {
+            for (((irradiance, squares), row), node) in own.zip(&self.table).zip(nodes[0]..) {
                 let sum = sum_of(row);
                 *irradiance += sum;
                 if sum > 0.0 {
                     // Relative to the sum, squares are of moderate size.
-                    let relative = row.iter().fold(0.0, |squares, x| squares + (x / sum) * (x / sum));
+                    let square = |x: &f32| (x / sum) * (x / sum);
+                    let relative = if ways.are_whole {
+                        row.iter().fold(0.0, |squares, x| squares + square(x))
+                    } else {
+                        // The other half of a photon is no other photon.
+                        let all = row.iter().zip(ways.present(node)).filter(|(_, present)| *present > 0.0);
+                        all.fold(0.0, |squares, (x, present)| squares + square(x) / present)
+                    };
                     *squares += f64::from(relative) * f64::from(sum) * f64::from(sum);
                 }
             }
@@ -137,9 +144,12 @@ impl Passed {
                 self.new_one(direction, (ways.steps, photon.spectrum), nodes)
             };
             let own = self.irradiances[known.clone()].iter_mut().zip(&mut self.squares[known]);
-            for ((irradiance, squares), row) in own.zip(&self.table) {
+            for (((irradiance, squares), row), node) in own.zip(&self.table).zip(nodes[0]..) {
                 *irradiance += row[lane];
-                *squares += f64::from(row[lane]) * f64::from(row[lane]);
+                let present = ways.present(node)[lane];
+                if present > 0.0 {
+                    *squares += f64::from(row[lane]) * f64::from(row[lane]) / f64::from(present);
+                }
             }
         }
         total
@@ -226,7 +236,7 @@ mod tests {
         Passing { direction: DVec3::ZERO, spectrum: 0, steps, first, known: 0..usize::from(end - first) }
     }
 
-    /// A line is the same in more steps and in fewer; its ends, in fewer, lean to what is known.
+    /// A line is the same in more steps and in fewer.
     #[test]
     fn lines_are_known_in_any_steps() {
         for (steps, [first, end]) in [(1, [0, 2]), (4, [0, 5]), (4, [1, 4]), (8, [3, 6])] {
@@ -246,7 +256,7 @@ mod tests {
                 }
             }
         }
-        // What is lost between known places is not made up.
+        // What isn't known is not made up.
         assert_eq!(passing(4, [0, 1]).at(&[5.0_f64], 4, 4), 0.0);
     }
 

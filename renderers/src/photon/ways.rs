@@ -25,6 +25,8 @@ pub(super) struct Ways {
     pub(super) spectrum: Option<u32>,
     /// In how many even steps their light is found.
     pub(super) steps: u16,
+    /// Whether all are there from the first key to the last.
+    pub(super) are_whole: bool,
 }
 
 /// Where light is wanted of photons that move, and how far they count there, in scene units.
@@ -56,6 +58,7 @@ impl Ways {
             limits: [[f32::INFINITY; LEAF], none],
             spectrum: first.filter(|first| photons.iter().all(|photon| photon.spectrum == *first)),
             steps: 1,
+            are_whole: motions.iter().all(|motion| motion.bounds() == [f32::NEG_INFINITY, f32::INFINITY]),
         };
         let (mut speeds, mut shortest) = (Vec::with_capacity(LEAF), 1.0_f32);
         for (i, (photon, motion)) in photons.iter().zip(motions).enumerate() {
@@ -77,6 +80,12 @@ impl Ways {
         let steps = (steps.clamp(1.0, f32::from(MOST_STEPS)) as u16).next_power_of_two();
         ways.steps = steps.max(least);
         ways
+    }
+
+    /// How much there is of each photon at the end of a step.
+    pub(super) fn present(&self, node: u16) -> [f32; LEAF] {
+        let ([from, to], at) = (&self.limits, f32::from(node) / f32::from(self.steps));
+        core::array::from_fn(|i| presence(at, from[i], to[i]))
     }
 
     /// About a place.

@@ -140,6 +140,13 @@ fn photons_that_move_are_where_they_are_at_each_wavelength() {
             table.clear();
             ways.light(About { region: &region, radius: footprint.radius, kernel }, [0, ways.steps + 1], &mut table);
             assert!(ways.steps >= 4 && table.len() == usize::from(ways.steps) + 1);
+            let inner =
+                in_order[first as usize..].iter().take(LEAF).filter(|_| !ways.are_whole).flat_map(|own| own.limits);
+            // All ways of a leaf end at ends of its steps: so nothing is lost between these.
+            let own = (first..).take(LEAF).map_while(|number| map.photons().get(number as usize));
+            let is_leaf = own.filter(|photon| photon.surface == number % 3).count();
+            let is_node = |limit: f32| (limit * f32::from(ways.steps)).fract() == 0.0;
+            assert!(inner.take(2 * is_leaf).all(is_node), "{}", ways.steps);
             for lane in 0..LEAF.min(map.len() - first as usize) {
                 found[first as usize + lane] = table.iter().map(|row| f64::from(row[lane])).collect();
             }
