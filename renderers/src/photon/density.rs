@@ -159,11 +159,6 @@ impl Estimate {
         if self.standard_error > 0.0 { (1.0 + (self.bias / self.standard_error).powi(2)).sqrt() } else { 0.0 }
     }
 
-    /// Forgets all photons.
-    pub(super) fn start(&mut self) {
-        self.clear();
-    }
-
     /// Adds a photon by its number, its weight, what its flux is worth and that flux, and how far it counts with which relative bias.
     pub(super) fn add(&mut self, photon: u32, weight: f32, (brightness, flux): (f32, f32), (radius, bias): (f32, f32)) {
         if !(weight > 0.0) {
@@ -196,7 +191,8 @@ impl Estimate {
         self.radius = self.mean_radius();
     }
 
-    fn clear(&mut self) {
+    /// Forgets all photons.
+    pub(super) fn clear(&mut self) {
         self.near.clear();
         self.weights.clear();
         self.brightness.clear();
@@ -489,4 +485,4 @@ impl Levels {
 }
 
 #[cfg(test)]
-mod tests;
+pub(super) mod tests;

@@ -230,7 +230,7 @@ impl Density {
         brightness: impl Fn(&Photon) -> f32,
         estimate: &mut Estimate,
     ) {
-        estimate.start();
+        estimate.clear();
         footprints.counting(map, place.surface, &region_of(place, least), |near, footprint| {
             if let Some(photon) = map.photons().get(near.photon as usize).filter(|photon| place.sees(photon)) {
                 let Footprint { radius, bias } = footprint;

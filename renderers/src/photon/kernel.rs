@@ -31,16 +31,23 @@ impl Kernel {
         if !(t2 <= 1.0) {
             return 0.0;
         }
-        let rest = 1.0 - t2.max(0.0);
+        self.within(t2.max(0.0))
+    }
+
+    /// The same from 0 to 1.
+    #[inline]
+    pub(crate) fn within(self, t2: f32) -> f32 {
+        let rest = 1.0 - t2;
         #[allow(clippy::cast_possible_truncation, reason = "a constant")]
-        let pi = FRAC_1_PI as f32;
-        pi * match self {
-            Self::Constant => 1.0,
-            Self::Cone => 3.0 * (1.0 - t2.max(0.0).sqrt()),
-            Self::Epanechnikov => 2.0 * rest,
-            Self::Biweight => 3.0 * rest * rest,
-            Self::Triweight => 4.0 * rest * rest * rest,
-        }
+        let by_pi = FRAC_1_PI as f32;
+        by_pi
+            * match self {
+                Self::Constant => 1.0,
+                Self::Cone => 3.0 * (1.0 - t2.sqrt()),
+                Self::Epanechnikov => 2.0 * rest,
+                Self::Biweight => 3.0 * rest * rest,
+                Self::Triweight => 4.0 * rest * rest * rest,
+            }
     }
 
     /// ∫ t² K over the disk. A quarter of it, times the Laplacian of the density and the square of the radius, is the bias of an estimate.

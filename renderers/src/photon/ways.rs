@@ -108,21 +108,20 @@ impl Ways {
     /// The irradiances of all photons at a place, at the ends of steps from one to another, that not included; one list for each is added.
     pub(super) fn light(&self, about: About<'_>, [first, end]: [u16; 2], found: &mut Vec<[f32; LEAF]>) {
         let course = self.course(about.region);
-        let pi = core::f32::consts::FRAC_1_PI;
         // A kernel that is known where it is evaluated is so for several photons at once.
-        let mut each = |kernel: &dyn Fn(f32) -> [f32; LEAF]| {
-            found.extend((first..end).map(|node| kernel(f32::from(node) / f32::from(self.steps))));
+        let mut each = |light: &dyn Fn(f32) -> [f32; LEAF]| {
+            found.extend((first..end).map(|node| light(f32::from(node) / f32::from(self.steps))));
         };
         match about.kernel {
-            Kernel::Constant => each(&|at| self.at(about, &course, at, |rest| if rest > 0.0 { pi } else { 0.0 })),
-            Kernel::Cone => each(&|at| self.at(about, &course, at, |rest| 3.0 * pi * (1.0 - (1.0 - rest).sqrt()))),
-            Kernel::Epanechnikov => each(&|at| self.at(about, &course, at, |rest| 2.0 * pi * rest)),
-            Kernel::Biweight => each(&|at| self.at(about, &course, at, |rest| 3.0 * pi * rest * rest)),
-            Kernel::Triweight => each(&|at| self.at(about, &course, at, |rest| 4.0 * pi * rest * rest * rest)),
+            Kernel::Constant => each(&|at| self.at(about, &course, at, |t2| Kernel::Constant.within(t2))),
+            Kernel::Cone => each(&|at| self.at(about, &course, at, |t2| Kernel::Cone.within(t2))),
+            Kernel::Epanechnikov => each(&|at| self.at(about, &course, at, |t2| Kernel::Epanechnikov.within(t2))),
+            Kernel::Biweight => each(&|at| self.at(about, &course, at, |t2| Kernel::Biweight.within(t2))),
+            Kernel::Triweight => each(&|at| self.at(about, &course, at, |t2| Kernel::Triweight.within(t2))),
         }
     }
 
-    /// The kernel is that of 1 less the square of the distance over the radius, or of 0.
+    /// The kernel is that of the square of the distance over the radius, up to 1.
     #[inline]
     fn at(&self, about: About<'_>, course: &Course, at: f32, kernel: impl Fn(f32) -> f32) -> [f32; LEAF] {
         let About { region: Region { thickness, slope, .. }, radius, .. } = about;
@@ -134,8 +133,9 @@ impl Ways {
             let distance2 = (a[i] + t * (b[i] + t * c[i])).max(0.0);
             let height = h[i] + t * k[i];
             let flux = (self.flux[i] + t * self.change[i]).max(0.0) * presence(at, from[i], to[i]);
-            let counts = height * height <= thickness2 + slope2 * distance2;
-            let value = flux * by_area * kernel((1.0 - distance2 * by_area).max(0.0));
+            let t2 = distance2 * by_area;
+            let counts = (t2 <= 1.0) & (height * height <= thickness2 + slope2 * distance2);
+            let value = flux * by_area * kernel(t2.min(1.0));
             light[i] = if counts { value } else { 0.0 };
         }
         light

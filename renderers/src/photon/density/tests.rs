@@ -17,13 +17,13 @@ fn photon(position: [f32; 3], flux: f32) -> Photon {
 }
 
 /// The square [−1, 1]² at z = 0.
-fn square() -> Extents {
+pub(in crate::photon) fn square() -> Extents {
     let [center, half_u, half_v, normal] = [DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z];
     Extents::new([&Geometry::Rectangle { center, half_u, half_v, normal }])
 }
 
 /// Photons on the square, of which `thrown` were thrown at it: their irradiance is `density` (at most `most`).
-fn on_square(thrown: u32, most: f32, seed: u64, density: impl Fn(f32, f32) -> f32) -> PhotonMap {
+pub(in crate::photon) fn on_square(thrown: u32, most: f32, seed: u64, density: impl Fn(f32, f32) -> f32) -> PhotonMap {
     let mut random = Random::new(seed);
     #[allow(clippy::cast_precision_loss, reason = "test sizes are small")]
     let flux = 4.0 * most / thrown as f32;
@@ -32,7 +32,7 @@ fn on_square(thrown: u32, most: f32, seed: u64, density: impl Fn(f32, f32) -> f3
     PhotonMap::new(hits.map(|[x, y, _]| photon([x, y, 0.0], flux)).collect())
 }
 
-fn place(extents: &Extents, x: f32, y: f32) -> Place<'_> {
+pub(in crate::photon) fn place(extents: &Extents, x: f32, y: f32) -> Place<'_> {
     Place { position: [x, y, 0.0], normal: [0.0, 0.0, 1.0], surface: 0, face: extents.face(0, 0) }
 }
 
@@ -51,7 +51,7 @@ fn estimate(density: &Density, map: &PhotonMap, place: &Place<'_>) -> Estimate {
 
 /// Mean of values, its standard error, and the standard deviation of a value.
 #[allow(clippy::cast_precision_loss, reason = "test sizes are small")]
-fn statistics(values: &[f64]) -> [f64; 3] {
+pub(in crate::photon) fn statistics(values: &[f64]) -> [f64; 3] {
     let n = values.len() as f64;
     let mean = values.iter().sum::<f64>() / n;
     let variance = values.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / (n - 1.0);

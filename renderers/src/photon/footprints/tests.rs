@@ -1,36 +1,14 @@
 //! Estimates of photons that count within radii of their own, and of those that move.
 
-use glam::DVec3;
-
 use super::{Footprint, Footprints, evened};
+use crate::photon::density::tests::{on_square, place, square, statistics};
 use crate::photon::extent::Extents;
 use crate::photon::kernel::Kernel;
 use crate::photon::map::{LEAF, Region};
 use crate::photon::motion::Motion;
 use crate::photon::random::Random;
 use crate::photon::ways::About;
-use crate::photon::{Choice, Density, Estimate, Photon, PhotonMap, Place};
-use crate::scene::Geometry;
-
-/// The square [−1, 1]² at z = 0.
-fn square() -> Extents {
-    let [center, half_u, half_v, normal] = [DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z];
-    Extents::new([&Geometry::Rectangle { center, half_u, half_v, normal }])
-}
-
-fn place(extents: &Extents, x: f32, y: f32) -> Place<'_> {
-    Place { position: [x, y, 0.0], normal: [0.0, 0.0, 1.0], surface: 0, face: extents.face(0, 0) }
-}
-
-/// As many photons as were thrown evenly at the square, where they hit: an irradiance of 1 there.
-fn on_square(thrown: u32, seed: u64, is_hit: impl Fn(f32, f32) -> bool) -> PhotonMap {
-    let mut random = Random::new(seed);
-    #[allow(clippy::cast_precision_loss, reason = "test sizes are small")]
-    let flux = 4.0 / thrown as f32;
-    let photon = |position: [f32; 3]| Photon { position, direction: [0.0, 0.0, 1.0], flux, ..Photon::default() };
-    let places = (0..thrown).map(|_| [random.next() * 2.0 - 1.0, random.next() * 2.0 - 1.0, 0.0]);
-    PhotonMap::new(places.filter(|[x, y, _]| is_hit(*x, *y)).map(photon).collect())
-}
+use crate::photon::{Choice, Density, Estimate, Photon, PhotonMap};
 
 /// With the radius of each leaf as about the photon in its middle.
 fn footprints(density: &Density, map: &PhotonMap, extents: &Extents) -> Footprints {
@@ -44,15 +22,6 @@ fn footprints(density: &Density, map: &PhotonMap, extents: &Extents) -> Footprin
     Footprints::new(map, evened(map, &radii), None)
 }
 
-/// The mean and its standard error.
-#[allow(clippy::cast_precision_loss, reason = "few values")]
-fn mean(values: &[f64]) -> [f64; 2] {
-    let n = values.len() as f64;
-    let mean = values.iter().sum::<f64>() / n;
-    let variance = values.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / (n - 1.0);
-    [mean, (variance / n).sqrt()]
-}
-
 /// Where photons are evenly dense, estimates are right on average, however radii are chosen and also beside the end of the face; so is what they say
 /// of their error.
 #[test]
@@ -64,18 +33,17 @@ fn uniform_irradiance_is_unbiased() {
             let place = place(&extents, x, y);
             let (mut values, mut errors) = (Vec::new(), 0.0);
             for seed in 0..200 {
-                let map = on_square(4000, seed, |_, _| true);
+                let map = on_square(4000, 1.0, seed, |_, _| 1.0);
                 let footprints = footprints(&density, &map, &extents);
                 let mut found = Estimate::default();
                 density.estimate_by((&map, &footprints), (&place, 0.0), |photon| photon.flux, &mut found);
                 values.push(found.value);
                 errors += found.standard_error * found.standard_error / 200.0;
             }
-            let [mean, error] = mean(&values);
+            let [mean, error, scatter] = statistics(&values);
             // Beside an edge the mean of radii stands for all.
             let tolerance = if x > 0.9 { 0.01 } else { 0.0 };
             assert!((mean - 1.0).abs() <= 4.3 * error + tolerance, "{choice:?} {count} {x} {y}: {mean} ± {error}");
-            let scatter = error * 200.0_f64.sqrt();
             assert!((0.7..=1.4).contains(&(errors.sqrt() / scatter)), "{choice:?} {x}: {} {scatter}", errors.sqrt());
         }
     }
@@ -89,7 +57,7 @@ fn all_light_is_there_once_beside_edges() {
         let density = Density { choice, ..Density::default() };
         let (mut fluxes, mut truths) = (Vec::new(), Vec::new());
         for seed in 0..24 {
-            let map = on_square(20_000, seed, |x, y| x.abs() <= 0.1 && y.abs() <= 0.8);
+            let map = on_square(20_000, 1.0, seed, |x, y| f32::from(u8::from(x.abs() <= 0.1 && y.abs() <= 0.8)));
             let footprints = footprints(&density, &map, &extents);
             let mut found = Estimate::default();
             let mut sum = 0.0;
@@ -105,7 +73,7 @@ fn all_light_is_there_once_beside_edges() {
             truths.push(map.photons().iter().map(|photon| f64::from(photon.flux)).sum::<f64>());
         }
         let ratios: Vec<f64> = fluxes.iter().zip(&truths).map(|(a, b)| a / b - 1.0).collect();
-        let [mean, error] = mean(&ratios);
+        let [mean, error, _] = statistics(&ratios);
         assert!(mean.abs() <= 4.3 * error && error <= 2e-3, "{choice:?}: {mean} ± {error}");
     }
 }
