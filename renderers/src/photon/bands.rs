@@ -61,17 +61,17 @@ impl Thrown {
     /// cut into parts.
     pub(super) fn moving(
         (curves, usual): (&Curves, f32),
-        wavelength_of: impl Fn(u32) -> f64,
+        wavelength_of: impl Fn(u32) -> f64 + Sync,
         spectra: Arc<Spectra>,
         emission: &Emission<'_>,
     ) -> Self {
         let (photons, sources) = curves.placed(&wavelength_of);
         let mut thrown = Self::new(photons, spectra, emission);
-        let (mut motions, mut rest) = (Vec::with_capacity(thrown.map.len()), (Vec::new(), Vec::new()));
-        for (origin, spacing) in thrown.map.origins().iter().zip(thrown.map.spacings()) {
-            let source = sources.get(*origin as usize).copied().unwrap_or_default();
-            motions.push(curves.parts(source, PARTS * spacing, &mut rest));
-        }
+        let source = |origin: &u32| sources.get(*origin as usize).copied().unwrap_or_default();
+        let longest = thrown.map.spacings().into_iter().map(|spacing| PARTS * spacing);
+        let placed: Vec<_> = thrown.map.origins().iter().map(source).zip(longest).collect();
+        let mut rest = (Vec::new(), Vec::new());
+        let motions = curves.moving(&placed, &mut rest);
         // Ends of ways without a photon of their own, at other keys than that.
         curves.others(&wavelength_of, PARTS * usual, &mut rest);
         let others = PhotonMap::new(rest.0);

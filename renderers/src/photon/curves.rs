@@ -8,11 +8,16 @@
 
 use core::cmp::Ordering;
 
+use rayon::prelude::*;
+
 use super::motion::Motion;
 use super::{Photon, Scattered};
 
 /// The most parts that a way between two keys is cut into.
 const MOST_PARTS: f32 = 8.0;
+
+/// Ways that a thread looks at together.
+const TOGETHER: usize = 4096;
 
 /// Photons at wavelengths between keys.
 #[derive(Clone, Debug, Default)]
@@ -78,20 +83,41 @@ impl Curves {
     }
 
     /// The photons of all paths, each at a wavelength in nm of its own, and where they are from.
-    pub(crate) fn placed(&self, wavelength_of: impl Fn(u32) -> f64) -> (Vec<Photon>, Vec<Source>) {
+    pub(crate) fn placed(&self, wavelength_of: impl Fn(u32) -> f64 + Sync) -> (Vec<Photon>, Vec<Source>) {
         let mut placed = (Vec::new(), Vec::new());
-        self.each(wavelength_of, |tween, from| {
-            if let Some(from) = from {
-                placed.0.push(tween.photon(self.limits_of(from.stretch), from.at));
-                placed.1.push(from);
-            }
-        });
+        for (stretch, Stretch { photons, .. }) in (0..).zip(&self.stretches) {
+            let limits = self.limits_of(stretch);
+            placed.par_extend(photons.par_iter().enumerate().with_min_len(TOGETHER).filter_map(|(number, tween)| {
+                let at = self.between(wavelength_of(tween.path));
+                let number = u32::try_from(number).ok()?;
+                tween.holds(limits, at).then(|| (tween.photon(limits, at), Source { stretch, number, at }))
+            }));
+        }
         placed
     }
 
-    /// How a photon moves about where it was placed, and the rest of its way between two keys: no part is longer than a distance in scene units, unless
-    /// there would be more than [`MOST_PARTS`].
-    pub(crate) fn parts(&self, from: Source, longest: f32, rest: &mut (Vec<Photon>, Vec<Motion>)) -> Motion {
+    /// How photons move about where they were placed, and the rest of their ways between two keys: no part is longer than a distance in scene units for each,
+    /// unless there would be more than [`MOST_PARTS`].
+    pub(crate) fn moving(&self, placed: &[(Source, f32)], rest: &mut (Vec<Photon>, Vec<Motion>)) -> Vec<Motion> {
+        let some = |placed: &[(Source, f32)]| {
+            let mut rest = (Vec::new(), Vec::new());
+            let own = placed.iter().map(|(from, longest)| self.parts(*from, *longest, &mut rest));
+            (own.collect::<Vec<_>>(), rest)
+        };
+        let pieces: Vec<_> = placed.par_chunks(TOGETHER).map(some).collect();
+        let mut motions = Vec::with_capacity(placed.len());
+        rest.0.reserve(pieces.iter().map(|(_, rest)| rest.0.len()).sum());
+        rest.1.reserve(pieces.iter().map(|(_, rest)| rest.1.len()).sum());
+        for (own, more) in pieces {
+            motions.extend(own);
+            rest.0.extend(more.0);
+            rest.1.extend(more.1);
+        }
+        motions
+    }
+
+    /// How a photon moves about where it was placed, and the rest of its way.
+    fn parts(&self, from: Source, longest: f32, rest: &mut (Vec<Photon>, Vec<Motion>)) -> Motion {
         let limits = self.limits_of(from.stretch);
         let tween = self.stretches.get(from.stretch as usize).and_then(|s| s.photons.get(from.number as usize));
         let mut own = Motion::default();
@@ -121,17 +147,6 @@ impl Curves {
                 if !holds_all && !tween.holds(limits, self.between(wavelength_of(tween.path))) {
                     tween.parts(limits, longest, |part, motion| tween.add(part, limits, motion, rest));
                 }
-            }
-        }
-    }
-
-    /// Calls with all ways between two keys, and where on it the photon is that is placed, if one is.
-    fn each(&self, wavelength_of: impl Fn(u32) -> f64, mut call: impl FnMut(&Tween, Option<Source>)) {
-        for (stretch, Stretch { photons, .. }) in (0..).zip(&self.stretches) {
-            let limits = self.limits_of(stretch);
-            for (number, tween) in (0..).zip(photons) {
-                let at = self.between(wavelength_of(tween.path));
-                call(tween, tween.holds(limits, at).then_some(Source { stretch, number, at }));
             }
         }
     }
@@ -509,7 +524,8 @@ mod tests {
             let curves = Curves::new(&keys.iter().map(|w| (*w, throw(*w))).collect::<Vec<_>>());
             let (photons, sources) = curves.placed(own);
             let mut rest = (Vec::new(), Vec::new());
-            let mut motions: Vec<_> = sources.iter().map(|source| curves.parts(*source, 0.0, &mut rest)).collect();
+            let sources: Vec<_> = sources.into_iter().map(|source| (source, 0.0)).collect();
+            let mut motions = curves.moving(&sources, &mut rest);
             curves.others(own, 0.0, &mut rest);
             motions.extend(rest.1);
             for node in 0..=8_u16 {
@@ -533,8 +549,9 @@ mod tests {
             for longest in [f32::INFINITY, 0.3, 0.01] {
                 let (mut photons, sources) = curves.placed(own);
                 assert_eq!((photons.len(), sources.len()), (100, 100));
-                let (mut motions, mut rest) = (Vec::new(), (Vec::new(), Vec::new()));
-                motions.extend(sources.iter().map(|source| curves.parts(*source, longest, &mut rest)));
+                let sources: Vec<_> = sources.into_iter().map(|source| (source, longest)).collect();
+                let mut rest = (Vec::new(), Vec::new());
+                let mut motions = curves.moving(&sources, &mut rest);
                 curves.others(own, longest, &mut rest);
                 photons.extend(rest.0);
                 motions.extend(rest.1);

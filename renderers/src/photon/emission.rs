@@ -241,7 +241,7 @@ impl<'s> Emission<'s> {
     }
 
     /// Follows paths again from the first boundary where wavelengths part, each at a wavelength in nm; new products are added to those of
-    /// the paths. Photons come in the order of the paths; their flux is that at the wavelength, their spectra left out.
+    /// the paths. Photons come in the order of the paths and their branches; their flux is that at the wavelength, their spectra left out.
     ///
     /// A path takes the same decisions at all wavelengths where it can: photons of the same path and branch at different wavelengths
     /// correspond to each other. The result doesn't depend on the number of threads.
@@ -256,9 +256,12 @@ impl<'s> Emission<'s> {
             .par_chunks(THROWN)
             .enumerate()
             .map(|(chunk, prefixes)| {
-                let mut walk = Walk::new(self.around(), products.clone());
+                let mut walk: Walk<'_, Scattered> = Walk::new(self.around(), products.clone());
                 for (number, prefix) in prefixes.iter().enumerate() {
                     walk.throw(prefix, wavelength_of(chunk * THROWN + number));
+                }
+                for own in walk.landed.chunk_by_mut(|a, b| a.path == b.path) {
+                    own.sort_by_key(|photon| photon.branch);
                 }
                 walk
             })

@@ -7,11 +7,12 @@
 
 use core::ops::Range;
 
+use glam::Vec3A;
 use rayon::prelude::*;
 
 use super::Photon;
 use super::density::{Density, Estimate, Place, region_of};
-use super::map::{Near, PhotonMap, Region, Tree, WAITING, square};
+use super::map::{Near, PhotonMap, Region, Tree, WAITING};
 use super::motion::Motion;
 use super::ways::Ways;
 
@@ -38,38 +39,33 @@ pub(super) struct Footprints {
 /// The least and the largest coordinates.
 #[derive(Clone, Copy, Debug)]
 struct Box3 {
-    low: [f32; 3],
-    high: [f32; 3],
+    low: Vec3A,
+    high: Vec3A,
 }
 
 impl Box3 {
-    const EMPTY: Self = Self { low: [f32::INFINITY; 3], high: [f32::NEG_INFINITY; 3] };
+    const EMPTY: Self = Self { low: Vec3A::INFINITY, high: Vec3A::NEG_INFINITY };
 
     fn with(self, other: Self) -> Self {
-        Self {
-            low: core::array::from_fn(|i| self.low[i].min(other.low[i])),
-            high: core::array::from_fn(|i| self.high[i].max(other.high[i])),
-        }
+        Self { low: self.low.min(other.low), high: self.high.max(other.high) }
     }
 
     /// About a way by its middle and from there to its end, and a little rounding.
     fn around(middle: [f32; 3], half: [f32; 3]) -> Self {
-        let slack = 4.0 * f32::EPSILON * middle.iter().fold(0.0, |most: f32, x| most.max(x.abs()));
-        Self {
-            low: core::array::from_fn(|i| middle[i] - half[i].abs() - slack),
-            high: core::array::from_fn(|i| middle[i] + half[i].abs() + slack),
-        }
+        let [middle, half] = [middle, half].map(Vec3A::from_array);
+        let half = half.abs() + 4.0 * f32::EPSILON * middle.abs().max_element();
+        Self { low: middle - half, high: middle + half }
     }
 
     /// With all that is nearer than a distance, and a little more.
     fn wider(self, distance: f32) -> Self {
-        let distance = distance * (1.0 + 4.0 * f32::EPSILON);
-        Self { low: self.low.map(|x| x - distance), high: self.high.map(|x| x + distance) }
+        let distance = Vec3A::splat(distance * (1.0 + 4.0 * f32::EPSILON));
+        Self { low: self.low - distance, high: self.high + distance }
     }
 
     /// The square of the distance from a point.
-    fn distance2(&self, p: [f32; 3]) -> f32 {
-        square(core::array::from_fn(|i| (self.low[i] - p[i]).max(p[i] - self.high[i]).max(0.0)))
+    fn distance2(&self, p: Vec3A) -> f32 {
+        (self.low - p).max(p - self.high).max(Vec3A::ZERO).length_squared()
     }
 }
 
@@ -184,13 +180,14 @@ impl Footprints {
     /// Calls with the leaves of a tree whose photons may count in a region.
     fn leaves(&self, tree: &Tree, region: &Region, mut call: impl FnMut(usize, Footprint)) {
         let limit = (region.radius * region.radius).clamp(0.0, f32::MAX);
+        let position = Vec3A::from_array(region.position);
         let mut branch = tree.leaves.start..tree.leaves.end;
         let mut waiting = [(0, 0); WAITING];
         let mut depth = 0;
         loop {
             while branch.len() > 1 {
                 let middle = usize::midpoint(branch.start, branch.end);
-                match self.nodes[middle].map(|part| part.distance2(region.position) <= limit) {
+                match self.nodes[middle].map(|part| part.distance2(position) <= limit) {
                     [true, true] => {
                         waiting[depth] = (middle, branch.end);
                         depth += 1;

@@ -155,7 +155,7 @@ impl<'s> Maps<'s> {
     fn tried(&self, paths: usize, wavelength: f64) -> Vec<Scattered> {
         let stride = self.prefixes.len().div_ceil(paths).max(1);
         let some: Vec<Prefix> = self.prefixes.iter().step_by(stride).copied().collect();
-        sorted(self.emission.throw(&some, |_| wavelength, &mut (*self.even.spectra).clone()).photons)
+        self.emission.throw(&some, |_| wavelength, &mut (*self.even.spectra).clone()).photons
     }
 
     /// How far nine of ten photons move at most for each nm.
@@ -209,7 +209,7 @@ impl<'s> Maps<'s> {
         let keys = curves::keys([FIRST_WAVELENGTH, LAST_WAVELENGTH], near, &|wavelength| self.tried(TRIED, wavelength));
         let mut thrown = |wavelength: &f64| {
             let photons = self.emission.throw(&self.prefixes, |_| *wavelength, &mut spectra).photons;
-            (*wavelength, sorted(photons))
+            (*wavelength, photons)
         };
         let curves = Curves::new(&keys.iter().map(&mut thrown).collect::<Vec<_>>());
         Interpolated { keys, curves, spectra: Arc::new(spectra) }
@@ -432,12 +432,6 @@ fn renumbered(list: &mut [Arriving], own: &Arc<Spectra>, mut table: Arc<Spectra>
         }
     }
     table
-}
-
-/// Photons in the order of their paths and branches.
-fn sorted(mut photons: Vec<Scattered>) -> Vec<Scattered> {
-    photons.sort_by_key(|s| (s.path, s.branch));
-    photons
 }
 
 impl Caustics for Maps<'_> {

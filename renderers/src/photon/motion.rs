@@ -14,14 +14,6 @@ pub(crate) struct Motion {
     pub(super) limits: [f32; 2],
 }
 
-/// How much of a photon is at a place on a way between two others: half of it at their limits, where another half goes on, so that lines through what
-/// is there at the ends of steps have all of it.
-#[inline]
-pub(super) fn presence(at: f32, from: f32, to: f32) -> f32 {
-    let half = |is_there: bool| if is_there { 0.5 } else { 0.0 };
-    half((at >= from) & (at <= to)) + half((at > from) & (at < to))
-}
-
 impl Motion {
     /// The same of the photon somewhere else.
     #[allow(clippy::cast_possible_truncation, reason = "photons are kept in f32")]
@@ -44,18 +36,16 @@ impl Motion {
         (core::array::from_fn(|i| photon.position[i] + to * self.position[i]), photon.flux + to * self.flux, middle)
     }
 
-    /// From where to where it is there, for [`presence`].
-    pub(super) fn bounds(&self) -> [f32; 2] {
-        let [from, to] = self.limits;
-        [if from <= 0.0 { f32::NEG_INFINITY } else { from }, if to >= 1.0 { f32::INFINITY } else { to }]
-    }
-
     /// Where the photon is somewhere on its way, its flux there, and how much of it.
     #[cfg(test)]
     pub(super) fn at(&self, photon: &Photon, to: f32) -> ([f32; 3], f32, f32) {
         let (place, flux, middle) = self.halfway(photon);
-        let (t, [from, end]) = (to - middle, self.bounds());
-        (core::array::from_fn(|i| place[i] + t * self.position[i]), flux + t * self.flux, presence(to, from, end))
+        let (t, [from, end]) = (to - middle, self.limits);
+        let there = |is_there: bool| if is_there { 0.5 } else { 0.0 };
+        // Half of it at the limits of its way, but for 0 and 1.
+        let inside = (to > from || from <= 0.0) && (to < end || end >= 1.0);
+        let presence = there(to >= from && to <= end) + there(inside && to >= from && to <= end);
+        (core::array::from_fn(|i| place[i] + t * self.position[i]), flux + t * self.flux, presence)
     }
 
     /// How fast it is: how far it would go from 0 to 1, in scene units.

@@ -80,10 +80,10 @@ impl Passed {
             let Footprint { radius, bias } = footprint;
             let nodes = wanted.band.map_or([0, ways.steps + 1], |band| nodes_of(band, ways.steps));
             self.table.clear();
-            ways.light(About { region, radius, kernel: density.kernel }, nodes, &mut self.table);
+            let first = ways.light(About { region, radius, kernel: density.kernel }, nodes, &mut self.table);
             let light = match ways.spectrum {
-                Some(spectrum) if wanted.alike && place.face.is_some() => self.add_all((ways, spectrum), nodes),
-                _ => self.add_each(ways, (place, photons), nodes, wanted.alike),
+                Some(spectrum) if wanted.alike && place.face.is_some() => self.add_all((ways, spectrum, first), nodes),
+                _ => self.add_each((ways, first), (place, photons), nodes, wanted.alike),
             };
             let light = f64::from(light) / f64::from(nodes[1] - nodes[0]);
             sums.light += light;
@@ -95,60 +95,71 @@ impl Passed {
         self.judge(sums);
     }
 
-    /// Adds up the light of all photons of a leaf, which are of one product; the sum at all wavelengths.
-    fn add_all(&mut self, (ways, spectrum): (&Ways, u32), nodes: [u16; 2]) -> f32 {
-        let sum_of = |row: &[f32; LEAF]| row.iter().sum::<f32>();
+    /// Adds up the light of all photons of a leaf, which are of one product, from so many steps on after their ways began; the sum of all.
+    fn add_all(&mut self, (ways, spectrum, start): (&Ways, u32, u16), nodes: [u16; 2]) -> f32 {
         let total: f32 = self.table.iter().map(sum_of).sum();
-        if total > 0.0 {
-            let known = self.known((ways.steps, spectrum), nodes);
-            let own = self.irradiances[known.clone()].iter_mut().zip(&mut self.squares[known]);
-            for (((irradiance, squares), row), node) in own.zip(&self.table).zip(nodes[0]..) {
-                let sum = sum_of(row);
-                *irradiance += sum;
-                if sum > 0.0 {
-                    // Relative to the sum, squares are of moderate size.
-                    let square = |x: &f32| (x / sum) * (x / sum);
-                    let relative = if ways.are_whole {
-                        row.iter().fold(0.0, |squares, x| squares + square(x))
-                    } else {
-                        // The other half of a photon is no other photon.
-                        let all = row.iter().zip(ways.present(node)).filter(|(_, present)| *present > 0.0);
-                        all.fold(0.0, |squares, (x, present)| squares + square(x) / present)
-                    };
-                    *squares += f64::from(relative) * f64::from(sum) * f64::from(sum);
+        if !(total > 0.0) {
+            return 0.0;
+        }
+        let known = self.known((ways.steps, spectrum), nodes);
+        let (irradiances, squares) = (&mut self.irradiances[known.clone()], &mut self.squares[known]);
+        let mut counted = 0.0;
+        for (step, row) in (start..).zip(&self.table) {
+            let present = ways.present(f32::from(step));
+            let mut add = |lane: usize, light: f32, square: f64| {
+                let node = (ways.first(lane) + step).checked_sub(nodes[0]).map(usize::from);
+                let own = node.and_then(|node| Some((irradiances.get_mut(node)?, squares.get_mut(node)?)));
+                if let Some((irradiance, squares)) = own {
+                    *irradiance += light;
+                    // The other half of a photon is no other photon.
+                    *squares += square / f64::from(present[lane]);
+                    counted += light;
                 }
+            };
+            if ways.are_together {
+                add(0, sum_of(row), squares_of(row));
+                continue;
+            }
+            let mut lit = lit_of(row);
+            while lit != 0 {
+                let lane = lit.trailing_zeros() as usize;
+                add(lane, row[lane], f64::from(row[lane]) * f64::from(row[lane]));
+                lit &= lit - 1;
             }
         }
-        total
+        counted
     }
 
     /// The same one by one.
     fn add_each(
         &mut self,
-        ways: &Ways,
+        (ways, start): (&Ways, u16),
         (place, photons): (&Place<'_>, &[super::Photon]),
         nodes: [u16; 2],
         alike: bool,
     ) -> f32 {
         let mut total = 0.0;
-        for (lane, photon) in photons.iter().enumerate().take(LEAF) {
-            let light: f32 = self.table.iter().map(|row| row[lane]).sum();
-            if !(light > 0.0) || !place.sees(photon) {
-                continue;
-            }
-            total += light;
+        let mut lit = self.table.iter().fold(0, |lit, row| lit | lit_of(row));
+        while lit != 0 {
+            let lane = lit.trailing_zeros() as usize;
+            lit &= lit - 1;
+            let Some(photon) = photons.get(lane).filter(|photon| place.sees(photon)) else { continue };
             let known = if alike {
                 self.known((ways.steps, photon.spectrum), nodes)
             } else {
                 let direction = Vec3A::from_array(photon.direction).as_dvec3();
                 self.new_one(direction, (ways.steps, photon.spectrum), nodes)
             };
-            let own = self.irradiances[known.clone()].iter_mut().zip(&mut self.squares[known]);
-            for (((irradiance, squares), row), node) in own.zip(&self.table).zip(nodes[0]..) {
-                *irradiance += row[lane];
-                let present = ways.present(node)[lane];
-                if present > 0.0 {
-                    *squares += f64::from(row[lane]) * f64::from(row[lane]) / f64::from(present);
+            let (irradiances, squares) = (&mut self.irradiances[known.clone()], &mut self.squares[known]);
+            for (step, row) in (start..).zip(&self.table).filter(|(_, row)| row[lane] > 0.0) {
+                let node = (ways.first(lane) + step).checked_sub(nodes[0]).map(usize::from);
+                let own = node.and_then(|node| Some((irradiances.get_mut(node)?, squares.get_mut(node)?)));
+                if let Some((irradiance, squares)) = own {
+                    let light = row[lane];
+                    *irradiance += light;
+                    let present = ways.present(f32::from(step))[lane];
+                    *squares += f64::from(light) * f64::from(light) / f64::from(present);
+                    total += light;
                 }
             }
         }
@@ -194,6 +205,30 @@ impl Passed {
             self.steps /= 2;
         }
     }
+}
+
+/// The sum of a leaf's numbers.
+fn sum_of(row: &[f32; LEAF]) -> f32 {
+    let mut parts = [0.0; 4];
+    for four in row.chunks_exact(4) {
+        parts.iter_mut().zip(four).for_each(|(part, x)| *part += x);
+    }
+    parts.iter().sum()
+}
+
+/// The sum of their squares.
+fn squares_of(row: &[f32; LEAF]) -> f64 {
+    let mut parts = [0.0; 4];
+    for four in row.chunks_exact(4) {
+        parts.iter_mut().zip(four).for_each(|(part, x)| *part += f64::from(*x) * f64::from(*x));
+    }
+    parts.iter().sum()
+}
+
+/// A bit for each that is above 0.
+fn lit_of(row: &[f32; LEAF]) -> u32 {
+    let bits: [u32; LEAF] = core::array::from_fn(|i| if row[i] > 0.0 { 1 << i } else { 0 });
+    bits.iter().fold(0, |lit, bit| lit | bit)
 }
 
 impl Passing {

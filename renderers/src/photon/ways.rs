@@ -2,11 +2,11 @@
 
 use super::kernel::Kernel;
 use super::map::{LEAF, Region};
-use super::motion::{Motion, presence};
+use super::motion::Motion;
 use super::{Photon, curves};
 
 /// In how many steps light is found at a place while photons move by the radius within which they count, and in how many at most: a power of two.
-const STEPS: f32 = 2.0;
+const STEPS: f32 = 1.0;
 const MOST_STEPS: u16 = 128;
 
 /// Where the photons of a leaf are between the first key (0) and the last (1).
@@ -18,15 +18,21 @@ pub(super) struct Ways {
     /// Their fluxes there, and by how much they would change from 0 to 1.
     flux: [f32; LEAF],
     change: [f32; LEAF],
-    /// Where these middles are, and from where to where they are there.
-    middle: [f32; LEAF],
-    limits: [[f32; LEAF]; 2],
+    /// From these middles to where their ways begin.
+    begin: [f32; LEAF],
+    /// The end of a step at which each begins; how much of the photon is there, and how many steps it has, with how much there is at its end.
+    first: [u8; LEAF],
+    at_first: [f32; LEAF],
+    until: [f32; LEAF],
+    /// The most steps that one of them has, and from which to which end of a step any begins.
+    most: u16,
+    begins: [u16; 2],
     /// The product of spectra that their fluxes are multiplied by, if it is the same.
     pub(super) spectrum: Option<u32>,
-    /// In how many even steps their light is found.
+    /// In how many even steps from 0 to 1 their light is found.
     pub(super) steps: u16,
-    /// Whether all are there from the first key to the last.
-    pub(super) are_whole: bool,
+    /// Whether all begin and end together.
+    pub(super) are_together: bool,
 }
 
 /// Where light is wanted of photons that move, and how far they count there, in scene units.
@@ -45,47 +51,54 @@ struct Course {
 
 impl Ways {
     /// Those of as many photons, which count within a radius, in at least so many steps.
+    #[allow(clippy::cast_possible_truncation, reason = "at most the most steps")]
     pub(super) fn new(photons: &[Photon], motions: &[Motion], radius: f32, least: u16) -> Self {
         let none = [0.0; LEAF];
-        let first = photons.first().map(|photon| photon.spectrum);
+        let spectrum = photons.first().map(|photon| photon.spectrum);
         let mut ways = Self {
             place: [none; 3],
             way: [none; 3],
             flux: none,
             change: none,
-            middle: none,
+            begin: none,
+            first: [0; LEAF],
+            at_first: none,
             // Nowhere.
-            limits: [[f32::INFINITY; LEAF], none],
-            spectrum: first.filter(|first| photons.iter().all(|photon| photon.spectrum == *first)),
-            steps: 1,
-            are_whole: motions.iter().all(|motion| motion.bounds() == [f32::NEG_INFINITY, f32::INFINITY]),
+            until: none,
+            most: 0,
+            begins: [u16::MAX, 0],
+            spectrum: spectrum.filter(|first| photons.iter().all(|photon| photon.spectrum == *first)),
+            steps: steps_of(motions, radius).max(least),
+            are_together: motions.iter().all(|motion| Some(motion.limits) == motions.first().map(|first| first.limits)),
         };
-        let (mut speeds, mut shortest) = (Vec::with_capacity(LEAF), 1.0_f32);
-        for (i, (photon, motion)) in photons.iter().zip(motions).enumerate() {
+        for (i, (photon, motion)) in photons.iter().zip(motions).enumerate().take(LEAF) {
             let (place, flux, middle) = motion.halfway(photon);
             let axes = ways.place.iter_mut().zip(&mut ways.way);
             for ((own, way), (place, all)) in axes.zip(place.into_iter().zip(motion.position)) {
                 (own[i], way[i]) = (place, all);
             }
-            (ways.flux[i], ways.change[i], ways.middle[i]) = (flux, motion.flux, middle);
-            let [from, to] = motion.bounds();
-            (ways.limits[0][i], ways.limits[1][i]) = (from, to);
-            let [from, to] = motion.limits;
-            shortest = if to > from { shortest.min(to - from) } else { shortest };
-            speeds.push(motion.speed() / radius);
+            (ways.flux[i], ways.change[i]) = (flux, motion.flux);
+            let [first, last] = motion.limits.map(|limit| step_at(limit, ways.steps));
+            ways.begin[i] = f32::from(first) / f32::from(ways.steps) - middle;
+            ways.first[i] = first as u8;
+            // Half of it: the other half is where another goes on, so that lines through what is there at the ends of steps have all of it.
+            ways.at_first[i] = if first == 0 { 1.0 } else { 0.5 };
+            ways.until[i] = f32::from(last - first) + if last == ways.steps { 1.0 } else { 0.5 };
+            ways.most = ways.most.max(last - first);
+            ways.begins = [ways.begins[0].min(first), ways.begins[1].max(first)];
         }
-        // Fluxes change from key to key, too, where photons hardly move; and all ways end at the end of a step.
-        let steps = (STEPS * curves::of_nine_in_ten(&mut speeds)).max(1.0 / shortest).ceil();
-        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "within limits")]
-        let steps = (steps.clamp(1.0, f32::from(MOST_STEPS)) as u16).next_power_of_two();
-        ways.steps = steps.max(least);
         ways
     }
 
-    /// How much there is of each photon at the end of a step.
-    pub(super) fn present(&self, node: u16) -> [f32; LEAF] {
-        let ([from, to], at) = (&self.limits, f32::from(node) / f32::from(self.steps));
-        core::array::from_fn(|i| presence(at, from[i], to[i]))
+    /// The end of a step at which a photon's way begins.
+    pub(super) fn first(&self, lane: usize) -> u16 {
+        u16::from(self.first[lane])
+    }
+
+    /// How much of each photon there is so many steps after its way began.
+    #[inline]
+    pub(super) fn present(&self, step: f32) -> [f32; LEAF] {
+        core::array::from_fn(|i| (self.at_first[i] + step).min(1.0) * (self.until[i] - step).clamp(0.0, 1.0))
     }
 
     /// About a place.
@@ -105,34 +118,38 @@ impl Ways {
         course
     }
 
-    /// The irradiances of all photons at a place, at the ends of steps from one to another, that not included; one list for each is added.
-    pub(super) fn light(&self, about: About<'_>, [first, end]: [u16; 2], found: &mut Vec<[f32; LEAF]>) {
+    /// The irradiances of all photons at a place, each at the ends of the steps of its own way, of which none is left out from one to another of all,
+    /// that not included: a list for each number of steps since ways began, from the first that is returned.
+    pub(super) fn light(&self, about: About<'_>, [first, end]: [u16; 2], found: &mut Vec<[f32; LEAF]>) -> u16 {
         let course = self.course(about.region);
+        let [earliest, latest] = self.begins;
+        let steps = first.saturating_sub(latest)..end.saturating_sub(earliest).min(self.most + 1);
+        let start = steps.start;
         // A kernel that is known where it is evaluated is so for several photons at once.
-        let mut each = |light: &dyn Fn(f32) -> [f32; LEAF]| {
-            found.extend((first..end).map(|node| light(f32::from(node) / f32::from(self.steps))));
-        };
+        let each = |light: &dyn Fn(f32) -> [f32; LEAF]| found.extend(steps.map(|step| light(f32::from(step))));
         match about.kernel {
-            Kernel::Constant => each(&|at| self.at(about, &course, at, |t2| Kernel::Constant.within(t2))),
-            Kernel::Cone => each(&|at| self.at(about, &course, at, |t2| Kernel::Cone.within(t2))),
-            Kernel::Epanechnikov => each(&|at| self.at(about, &course, at, |t2| Kernel::Epanechnikov.within(t2))),
-            Kernel::Biweight => each(&|at| self.at(about, &course, at, |t2| Kernel::Biweight.within(t2))),
-            Kernel::Triweight => each(&|at| self.at(about, &course, at, |t2| Kernel::Triweight.within(t2))),
+            Kernel::Constant => each(&|step| self.at(about, &course, step, |t2| Kernel::Constant.within(t2))),
+            Kernel::Cone => each(&|step| self.at(about, &course, step, |t2| Kernel::Cone.within(t2))),
+            Kernel::Epanechnikov => each(&|step| self.at(about, &course, step, |t2| Kernel::Epanechnikov.within(t2))),
+            Kernel::Biweight => each(&|step| self.at(about, &course, step, |t2| Kernel::Biweight.within(t2))),
+            Kernel::Triweight => each(&|step| self.at(about, &course, step, |t2| Kernel::Triweight.within(t2))),
         }
+        start
     }
 
     /// The kernel is that of the square of the distance over the radius, up to 1.
     #[inline]
-    fn at(&self, about: About<'_>, course: &Course, at: f32, kernel: impl Fn(f32) -> f32) -> [f32; LEAF] {
+    fn at(&self, about: About<'_>, course: &Course, step: f32, kernel: impl Fn(f32) -> f32) -> [f32; LEAF] {
         let About { region: Region { thickness, slope, .. }, radius, .. } = about;
         let (thickness2, slope2, by_area) = (thickness * thickness, slope * slope, 1.0 / (radius * radius));
-        let ([a, b, c], [h, k], [from, to], middle) = (&course.square, &course.height, &self.limits, &self.middle);
-        let mut light = [0.0; LEAF];
+        let ([a, b, c], [h, k]) = (&course.square, &course.height);
+        let since = step / f32::from(self.steps);
+        let (present, mut light) = (self.present(step), [0.0; LEAF]);
         for i in 0..LEAF {
-            let t = at - middle[i];
+            let t = self.begin[i] + since;
             let distance2 = (a[i] + t * (b[i] + t * c[i])).max(0.0);
             let height = h[i] + t * k[i];
-            let flux = (self.flux[i] + t * self.change[i]).max(0.0) * presence(at, from[i], to[i]);
+            let flux = (self.flux[i] + t * self.change[i]).max(0.0) * present[i];
             let t2 = distance2 * by_area;
             let counts = (t2 <= 1.0) & (height * height <= thickness2 + slope2 * distance2);
             let value = flux * by_area * kernel(t2.min(1.0));
@@ -140,4 +157,22 @@ impl Ways {
         }
         light
     }
+}
+
+/// In how many even steps from 0 to 1 light of photons is found that count within a radius: as many as nine in ten ask for by their speeds, and all
+/// ways end at the end of one.
+fn steps_of(motions: &[Motion], radius: f32) -> u16 {
+    let mut speeds: Vec<f32> = motions.iter().map(|motion| motion.speed() / radius).collect();
+    let widths = motions.iter().map(|motion| motion.limits[1] - motion.limits[0]);
+    let shortest = widths.filter(|width| *width > 0.0).fold(1.0, f32::min);
+    let steps = (STEPS * curves::of_nine_in_ten(&mut speeds)).max(1.0 / shortest).ceil();
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "within limits")]
+    let steps = steps.clamp(1.0, f32::from(MOST_STEPS)) as u16;
+    steps.next_power_of_two()
+}
+
+/// The end of a step that a limit is.
+#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "at most the most steps")]
+fn step_at(limit: f32, steps: u16) -> u16 {
+    (limit.clamp(0.0, 1.0) * f32::from(steps)).round() as u16
 }
