@@ -63,6 +63,33 @@ struct Sums {
     biases: f64,
 }
 
+/// Where light of a product is added up, from the end of a step on.
+struct Known<'p> {
+    irradiances: &'p mut [f32],
+    squares: &'p mut [f64],
+    first: u16,
+}
+
+impl<'p> Known<'p> {
+    fn new((irradiances, squares): (&'p mut [f32], &'p mut [f64]), known: Range<usize>, first: u16) -> Self {
+        let irradiances = irradiances.get_mut(known.clone()).unwrap_or_default();
+        Self { irradiances, squares: squares.get_mut(known).unwrap_or_default(), first }
+    }
+
+    /// Adds light and the squares of its parts at the end of a step, if that's asked for, of photons of which so much is there; the light.
+    #[inline]
+    fn add(&mut self, node: u16, (light, squares): (f32, f64), present: f32) -> f32 {
+        let place = usize::from(node.wrapping_sub(self.first));
+        let (Some(irradiance), Some(sum)) = (self.irradiances.get_mut(place), self.squares.get_mut(place)) else {
+            return 0.0;
+        };
+        *irradiance += light;
+        // The other half of a photon is no other photon.
+        *sum += squares / f64::from(present);
+        light
+    }
+}
+
 impl Passed {
     /// Finds the light of photons at a place.
     pub(super) fn find(
@@ -102,29 +129,20 @@ impl Passed {
             return 0.0;
         }
         let known = self.known((ways.steps, spectrum), nodes);
-        let (irradiances, squares) = (&mut self.irradiances[known.clone()], &mut self.squares[known]);
+        let mut sums = Known::new((&mut self.irradiances, &mut self.squares), known, nodes[0]);
         let mut counted = 0.0;
         for (step, row) in (start..).zip(&self.table) {
             let present = ways.present(f32::from(step));
-            let mut add = |lane: usize, light: f32, square: f64| {
-                let node = (ways.first(lane) + step).checked_sub(nodes[0]).map(usize::from);
-                let own = node.and_then(|node| Some((irradiances.get_mut(node)?, squares.get_mut(node)?)));
-                if let Some((irradiance, squares)) = own {
-                    *irradiance += light;
-                    // The other half of a photon is no other photon.
-                    *squares += square / f64::from(present[lane]);
-                    counted += light;
-                }
-            };
             if ways.are_together {
-                add(0, sum_of(row), squares_of(row));
+                counted += sums.add(ways.first(0) + step, (sum_of(row), squares_of(row)), present[0]);
                 continue;
             }
             let mut lit = lit_of(row);
             while lit != 0 {
                 let lane = lit.trailing_zeros() as usize;
-                add(lane, row[lane], f64::from(row[lane]) * f64::from(row[lane]));
                 lit &= lit - 1;
+                let square = f64::from(row[lane]) * f64::from(row[lane]);
+                counted += sums.add(ways.first(lane) + step, (row[lane], square), present[lane]);
             }
         }
         counted
@@ -150,17 +168,11 @@ impl Passed {
                 let direction = Vec3A::from_array(photon.direction).as_dvec3();
                 self.new_one(direction, (ways.steps, photon.spectrum), nodes)
             };
-            let (irradiances, squares) = (&mut self.irradiances[known.clone()], &mut self.squares[known]);
+            let mut sums = Known::new((&mut self.irradiances, &mut self.squares), known, nodes[0]);
             for (step, row) in (start..).zip(&self.table).filter(|(_, row)| row[lane] > 0.0) {
-                let node = (ways.first(lane) + step).checked_sub(nodes[0]).map(usize::from);
-                let own = node.and_then(|node| Some((irradiances.get_mut(node)?, squares.get_mut(node)?)));
-                if let Some((irradiance, squares)) = own {
-                    let light = row[lane];
-                    *irradiance += light;
-                    let present = ways.present(f32::from(step))[lane];
-                    *squares += f64::from(light) * f64::from(light) / f64::from(present);
-                    total += light;
-                }
+                let square = f64::from(row[lane]) * f64::from(row[lane]);
+                let present = ways.present(f32::from(step))[lane];
+                total += sums.add(ways.first(lane) + step, (row[lane], square), present);
             }
         }
         total
@@ -265,7 +277,9 @@ impl Passing {
 mod tests {
     use glam::DVec3;
 
-    use super::{Passed, Passing, Sums};
+    use super::{About, Passed, Passing, Place, Region, Sums, Ways};
+    use crate::photon::motion::Motion;
+    use crate::photon::{Kernel, Photon};
 
     fn passing(steps: u16, [first, end]: [u16; 2]) -> Passing {
         Passing { direction: DVec3::ZERO, spectrum: 0, steps, first, known: 0..usize::from(end - first) }
@@ -308,6 +322,45 @@ mod tests {
             assert_eq!(passed.steps, steps);
             let squares = 0.01 * light;
             assert!((passed.error - (1.0 + 0.01 * light * light / squares).sqrt()).abs() <= 1e-6);
+        }
+    }
+
+    /// Two parts of a way are one photon where they meet, in light and in errors, whatever is asked for: together and one by one.
+    #[test]
+    fn parts_of_a_way_are_one_photon() {
+        let own = Photon { flux: 3.0, ..Photon::default() };
+        // A few that stay for all wavelengths, and others for parts of them that end at the same place.
+        for cuts in [&[0.0_f32, 1.0][..], &[0.0, 0.5, 1.0], &[0.0, 0.25, 0.75, 1.0]] {
+            let parts: Vec<Motion> = cuts
+                .windows(2)
+                .map(|limits| Motion { limits: [limits[0], limits[1]], at: limits[0], ..Motion::default() })
+                .collect();
+            let photons = vec![own; parts.len()];
+            let region = Region::ball([0.0; 3], 0.0);
+            let place = Place { position: [0.0; 3], normal: [0.0; 3], surface: 0, face: None };
+            let ways = Ways::new(&photons, &parts, 1.0, 4);
+            assert_eq!(ways.are_together, parts.len() == 1);
+            for nodes in [[0, 5], [1, 4], [2, 3], [0, 3], [4, 5]] {
+                for is_alike in [true, false] {
+                    let mut passed = Passed::default();
+                    let about = About { region: &region, radius: 1.0, kernel: Kernel::Constant };
+                    let start = ways.light(about, nodes, &mut passed.table);
+                    let total = if is_alike {
+                        passed.add_all((&ways, 0, start), nodes)
+                    } else {
+                        passed.add_each((&ways, start), (&place, &photons), nodes, true)
+                    };
+                    let light = 3.0 / core::f32::consts::PI;
+                    let count = nodes[1] - nodes[0];
+                    assert_eq!(passed.irradiances.len(), usize::from(count));
+                    assert!((total - f32::from(count) * light).abs() <= 1e-5, "{cuts:?} {nodes:?}: {total}");
+                    for (irradiance, squares) in passed.irradiances.iter().zip(&passed.squares) {
+                        assert!((irradiance - light).abs() <= 1e-6, "{cuts:?} {nodes:?}: {irradiance}");
+                        let square = f64::from(light) * f64::from(light);
+                        assert!((squares - square).abs() <= 1e-6, "{cuts:?} {nodes:?} {is_alike}: {squares}");
+                    }
+                }
+            }
         }
     }
 }

@@ -78,6 +78,38 @@ fn all_light_is_there_once_beside_edges() {
     }
 }
 
+/// Radii are the geometric mean of those of the photons within reach, those that don't count left out; what is nearer has no say beyond that.
+#[test]
+#[allow(clippy::cast_precision_loss, reason = "few photons")]
+fn radii_are_evened_out_within_their_reach() {
+    const RADII: [f32; 3] = [0.0, 10.0, 1e-3];
+    let map = on_square(2000, 1.0, 3, |_, _| 1.0);
+    let radii: Vec<Footprint> =
+        (0..map.leaves_photons().count()).map(|leaf| Footprint { radius: RADII[leaf % 3], bias: 0.5 }).collect();
+    let evened = evened(&map, &radii);
+    let photons = |of: usize| {
+        map.leaves_photons()
+            .enumerate()
+            .filter(|(leaf, _)| leaf % 3 == of)
+            .map(|(_, photons)| photons.len())
+            .sum::<usize>()
+    };
+    let [far, near] = [photons(1) as f32, photons(2) as f32];
+    let mean = ((far * RADII[1].ln() + near * RADII[2].ln()) / (far + near)).exp();
+    assert!(far > 500.0 && near > 500.0);
+    for (leaf, (own, before)) in evened.iter().zip(&radii).enumerate() {
+        match leaf % 3 {
+            1 => {
+                assert!((own.radius / mean - 1.0).abs() <= 1e-4, "{leaf}: {} {mean}", own.radius);
+                let bias = 0.5 * (mean / 10.0).powi(2);
+                assert!((own.bias / bias - 1.0).abs() <= 1e-3, "{leaf}: {} {bias}", own.bias);
+            }
+            // About itself alone, and not at all.
+            _ => assert!((own.radius - before.radius).abs() <= 1e-5 * before.radius, "{leaf}: {own:?}"),
+        }
+    }
+}
+
 /// Light of photons that move is at each wavelength that of photons that are where these are then, by all kernels; no leaf is forgotten. Some are fast,
 /// and there for a short while only.
 #[test]
