@@ -29,10 +29,8 @@ pub(crate) struct Density {
     pub(crate) kernel: Kernel,
     /// The radius is the distance to this one of the nearest photons, at least 2; if it's adaptive, at most.
     pub(crate) count: usize,
-    /// The largest radius, in scene units; positive, may be infinite.
+    /// The largest radius, in scene units; positive, may be infinite. None is below 1e-15, and 1e-6 times the largest coordinate of the point.
     pub(crate) radius: f32,
-    /// The smallest radius, in scene units; not negative. It is at least 1e-15, and 1e-6 times the largest coordinate of the point.
-    pub(crate) smallest: f32,
     /// How the radius is chosen.
     pub(crate) choice: Choice,
 }
@@ -52,13 +50,7 @@ pub(crate) enum Choice {
 impl Default for Density {
     /// Epanechnikov's kernel, at most 50 photons (as in the paper) at any distance, and an adaptive radius.
     fn default() -> Self {
-        Self {
-            kernel: Kernel::default(),
-            count: 50,
-            radius: f32::INFINITY,
-            smallest: 0.0,
-            choice: Choice::Agreement(2.5),
-        }
+        Self { kernel: Kernel::default(), count: 50, radius: f32::INFINITY, choice: Choice::Agreement(2.5) }
     }
 }
 
@@ -70,8 +62,6 @@ pub(crate) enum DensityError {
     Count(usize),
     /// The largest radius.
     Radius(f32),
-    /// The smallest radius.
-    Smallest(f32),
     /// The agreement asked for.
     Agreement(f32),
 }
@@ -81,9 +71,6 @@ impl fmt::Display for DensityError {
         match self {
             Self::Count(count) => write!(f, "density is estimated from 2 photons or more, not {count}"),
             Self::Radius(radius) => write!(f, "the radius of photons must be positive, not {radius}"),
-            Self::Smallest(radius) => {
-                write!(f, "the smallest radius of photons must be at least 0 and at most the largest, not {radius}")
-            }
             Self::Agreement(bound) => write!(f, "the agreement of radii must be a positive number, not {bound}"),
         }
     }
@@ -201,6 +188,12 @@ impl Estimate {
     }
 }
 
+/// The smallest radius about a place.
+fn smallest_at(place: &Place<'_>) -> f32 {
+    let coordinate = place.position.iter().fold(0.0, |most: f32, x| most.max(x.abs()));
+    (RESOLUTION * coordinate).max(LEAST_RADIUS)
+}
+
 impl Density {
     /// Refuses settings outside their domains.
     ///
@@ -212,9 +205,6 @@ impl Density {
         }
         if !(self.radius > 0.0) {
             return Err(DensityError::Radius(self.radius));
-        }
-        if !(self.smallest >= 0.0 && self.smallest <= self.radius) {
-            return Err(DensityError::Smallest(self.smallest));
         }
         match self.choice {
             Choice::Agreement(bound) if !(bound > 0.0 && bound.is_finite()) => Err(DensityError::Agreement(bound)),
@@ -260,18 +250,12 @@ impl Density {
         let is_widest = levels.is_widest && level == 0;
         let share = if is_widest { 1.0 } else { levels.mass_of(place, Kernel::Constant, level) };
         let radius = (levels.radius2(level) * share).sqrt() as f32;
-        Footprint { radius: radius.max(self.smallest_at(place)), bias }
+        Footprint { radius: radius.max(smallest_at(place)), bias }
     }
 
     /// How far photons count that are alone.
     pub(super) fn alone(&self) -> Footprint {
         Footprint { radius: if self.radius.is_finite() { self.radius.max(LEAST_RADIUS) } else { 0.0 }, bias: 0.0 }
-    }
-
-    /// The smallest radius about a place.
-    fn smallest_at(&self, place: &Place<'_>) -> f32 {
-        let coordinate = place.position.iter().fold(0.0, |most: f32, x| most.max(x.abs()));
-        self.smallest.max(RESOLUTION * coordinate).max(LEAST_RADIUS)
     }
 
     /// Finds the photons about a place, but for one, and chooses between radii; `None` if there are none.
@@ -284,7 +268,7 @@ impl Density {
     ) -> Option<(Levels, usize)> {
         estimate.clear();
         let coordinate = place.position.iter().fold(0.0, |most: f32, x| most.max(x.abs()));
-        let smallest = self.smallest_at(place);
+        let smallest = smallest_at(place);
         let region = region(place, self.radius.max(smallest), coordinate);
         let find = |region: &Region, count: usize, near: &mut Vec<Near>| {
             map.nearest(place.surface, region, count.saturating_add(usize::from(without.is_some())), near);

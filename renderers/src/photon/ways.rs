@@ -6,7 +6,8 @@ use super::motion::Motion;
 use super::{Photon, curves};
 
 /// In how many steps light is found at a place while photons move by the radius within which they count, and in how many at most: a power of two.
-const STEPS: f32 = 1.0;
+/// Light of photons that follow each other evenly is even then but for 4 %; in one step it would change by 30 %, and show in a prism's spectrum.
+const STEPS: f32 = 2.0;
 const MOST_STEPS: u16 = 128;
 
 /// Where the photons of a leaf are between the first key (0) and the last (1).
@@ -118,8 +119,8 @@ impl Ways {
         course
     }
 
-    /// The irradiances of all photons at a place, each at the ends of the steps of its own way, of which none is left out from one to another of all,
-    /// that not included: a list for each number of steps since ways began, from the first that is returned.
+    /// Adds rows of the irradiances of all photons at a place. Each row is a step further on their ways, the first as many steps from where they
+    /// begin as is returned. What is asked for, from one end of a step to another (that not included), is among it.
     pub(super) fn light(&self, about: About<'_>, [first, end]: [u16; 2], found: &mut Vec<[f32; LEAF]>) -> u16 {
         let course = self.course(about.region);
         let [earliest, latest] = self.begins;

@@ -290,7 +290,6 @@ fn density(options: &PhotonOptions, scene: &Whitted) -> Result<Density, RenderEr
         count: options.nearest,
         radius: radius as f32,
         choice: if options.adaptive { Density::default().choice } else { Choice::Count },
-        ..Density::default()
     };
     density.check().map_err(|e| RenderError::new(e.to_string()))?;
     Ok(density)
