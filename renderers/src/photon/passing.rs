@@ -363,4 +363,23 @@ mod tests {
             }
         }
     }
+
+    /// Where all ways of a leaf end together before the last wavelength, half of each photon is there at their end, and its square is half of a whole's.
+    #[test]
+    fn halves_that_end_together_are_half_a_photon_each() {
+        let photons = [Photon { flux: 3.0, ..Photon::default() }; 2];
+        let ways = Ways::new(&photons, &[Motion { limits: [0.0, 0.5], ..Motion::default() }; 2], 1.0, 4);
+        assert!(ways.are_together);
+        let (region, mut passed) = (Region::ball([0.0; 3], 0.0), Passed::default());
+        let about = About { region: &region, radius: 1.0, kernel: Kernel::Constant };
+        let start = ways.light(about, [0, 5], &mut passed.table);
+        passed.add_all((&ways, 0, start), [0, 5]);
+        let light = 3.0 / core::f32::consts::PI;
+        for ((irradiance, squares), photons) in
+            passed.irradiances.iter().zip(&passed.squares).zip([2.0, 2.0, 1.0, 0.0, 0.0])
+        {
+            assert!((irradiance - photons * light).abs() <= 1e-6, "{irradiance}");
+            assert!((squares - f64::from(photons * light * light)).abs() <= 1e-6, "{squares}");
+        }
+    }
 }
