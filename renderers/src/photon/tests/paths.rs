@@ -177,6 +177,9 @@ fn wavelengths_are_asked_for_by_path() {
         both.into_iter().copied().collect()
     };
     assert!(mixed == expected && mixed != red);
+    // In the order of paths and of their branches, of which some paths have several.
+    assert!(mixed.is_sorted_by_key(|s| (s.path, s.branch)));
+    assert!(mixed.windows(2).any(|pair| pair[0].path == pair[1].path));
 }
 
 #[test]
