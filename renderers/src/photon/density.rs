@@ -188,10 +188,14 @@ impl Estimate {
     }
 }
 
+/// The largest coordinate of a place.
+fn coordinate_of(place: &Place<'_>) -> f32 {
+    place.position.iter().fold(0.0, |most, x| most.max(x.abs()))
+}
+
 /// The smallest radius about a place.
 fn smallest_at(place: &Place<'_>) -> f32 {
-    let coordinate = place.position.iter().fold(0.0, |most: f32, x| most.max(x.abs()));
-    (RESOLUTION * coordinate).max(LEAST_RADIUS)
+    (RESOLUTION * coordinate_of(place)).max(LEAST_RADIUS)
 }
 
 impl Density {
@@ -267,9 +271,8 @@ impl Density {
         estimate: &mut Estimate,
     ) -> Option<(Levels, usize)> {
         estimate.clear();
-        let coordinate = place.position.iter().fold(0.0, |most: f32, x| most.max(x.abs()));
         let smallest = smallest_at(place);
-        let region = region(place, self.radius.max(smallest), coordinate);
+        let region = region_of(place, self.radius.max(smallest));
         let find = |region: &Region, count: usize, near: &mut Vec<Near>| {
             map.nearest(place.surface, region, count.saturating_add(usize::from(without.is_some())), near);
             near.retain(|near| Some(near.photon) != without);
@@ -342,15 +345,9 @@ impl Density {
     }
 }
 
-/// Where photons within a distance of a place count.
-pub(super) fn region_of(place: &Place<'_>, radius: f32) -> Region {
-    let coordinate = place.position.iter().fold(0.0, |most: f32, x| most.max(x.abs()));
-    region(place, radius, coordinate)
-}
-
 /// Where the photons are that count for a place: near the plane of a face, or near the tangent plane in proportion to their distance.
-pub(super) fn region(place: &Place<'_>, radius: f32, coordinate: f32) -> Region {
-    let rounding = 16.0 * f32::EPSILON * coordinate;
+pub(super) fn region_of(place: &Place<'_>, radius: f32) -> Region {
+    let rounding = 16.0 * f32::EPSILON * coordinate_of(place);
     let Place { position, normal, .. } = *place;
     #[allow(clippy::cast_possible_truncation, reason = "lengths and unit vectors")]
     match place.face {

@@ -9,7 +9,7 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::density::region;
+use super::density::region_of;
 use super::global::{Global, Kept, Released, Spot, reflectance};
 use super::map::Near;
 use super::thin::thinned;
@@ -308,8 +308,7 @@ impl Gather for Gatherer<'_> {
 
 /// The nearest photon to a place, on the same face or where the surface hasn't bent much.
 fn nearest(map: &PhotonMap, place: &Place<'_>, near: &mut Vec<Near>) -> Option<u32> {
-    let coordinate = place.position.iter().fold(0.0, |most: f32, x| most.max(x.abs()));
-    map.nearest(place.surface, &region(place, f32::INFINITY, coordinate), 1, near);
+    map.nearest(place.surface, &region_of(place, f32::INFINITY), 1, near);
     near.first().map(|near| near.photon)
 }
 

@@ -6,7 +6,8 @@ use super::motion::Motion;
 use super::{Photon, curves};
 
 /// In how many steps light is found at a place while photons move by the radius within which they count, and in how many at most: a power of two.
-/// Light of photons that follow each other evenly is even then but for 4 %; in one step it would change by 30 %, and show in a prism's spectrum.
+/// Across Epanechnikov's kernel, (1 − x²)^(3/2), light of photons that follow each other evenly is even then but for 4 %; in one step it would change by
+/// 30 %, and show in a prism's spectrum.
 const STEPS: f32 = 2.0;
 const MOST_STEPS: u16 = 128;
 
