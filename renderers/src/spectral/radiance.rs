@@ -167,11 +167,6 @@ impl Radiance {
         }
     }
 
-    /// Leaves out products with negative weights, which come of extrapolation.
-    pub(super) fn keep_positive(&mut self) {
-        self.terms.retain(|(_, weight)| *weight > 0.0);
-    }
-
     /// Adds deferred light times a product of spectra.
     pub fn defer(&mut self, deferred: Deferred, monomial: Monomial, weight: f64) {
         if weight != 0.0 {

@@ -1,5 +1,6 @@
 //! A pixel's light as the sources of a program: products, light on lines, and what is traced for intervals.
 
+use alloc::rc::Rc;
 use std::collections::HashMap;
 
 use spectral_core::bound::delta_e_bound;
@@ -30,6 +31,8 @@ pub(super) struct Pixel<'p, 'a> {
     products: &'p mut Products,
     /// Light that was traced for the middle wavelengths of intervals.
     traced: ByNode<Radiance>,
+    /// The same with that of the halves.
+    threes: ByNode<Rc<Three>>,
     /// Whether light for the parts of an interval can be interpolated between that of itself and its halves.
     is_steady: ByNode<bool>,
     /// How far the interval's tristimulus values may be off by the path that was traced.
@@ -81,6 +84,9 @@ pub(super) fn parts(radiance: &Radiance, tracer: &mut dyn Tracer) -> (Vec<(Term,
     (terms, groups)
 }
 
+/// Three lights: products of spectra, each with what it counts for in each of them.
+type Three = [(Monomial, [f64; 3])];
+
 /// What is known of groups of deferred light on intervals.
 type ByNode<T> = HashMap<(u32, u32), T, PairBuild>;
 
@@ -89,10 +95,8 @@ const fn key(group: &Group, node: Node) -> (u32, u32) {
     (group.number, node.position() as u32)
 }
 
-/// Deferred light on an interval, and what its tristimulus values may be off by.
-struct Served {
-    light: Radiance,
-    estimate: [f64; 3],
+fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
 impl<'p, 'a> Pixel<'p, 'a> {
@@ -101,8 +105,18 @@ impl<'p, 'a> Pixel<'p, 'a> {
         (terms, groups): (&'p [(Term, f64)], &'p [Group]),
         tracer: &'p mut dyn Tracer,
     ) -> Self {
-        let (traced, is_steady, path_radii) = (ByNode::default(), ByNode::default(), ByNode::default());
-        Self { shared, terms, groups, tracer, products, traced, is_steady, path_radii, total: None }
+        Self {
+            shared,
+            terms,
+            groups,
+            tracer,
+            products,
+            traced: ByNode::default(),
+            threes: ByNode::default(),
+            is_steady: ByNode::default(),
+            path_radii: ByNode::default(),
+            total: None,
+        }
     }
 
     /// Deferred light traced for the middle wavelength of an interval, once.
@@ -132,6 +146,8 @@ impl<'p, 'a> Pixel<'p, 'a> {
 
     /// The light of the whole domain: that of its halves, by their parts of the eye's sensitivity.
     fn whole(&mut self, deferred: &Group) -> Radiance {
+        // What is found for all waves may do for some of them.
+        self.trace(deferred, Node::ROOT);
         let parts = halves(Node::ROOT).map(|half| (half, self.share(half)));
         self.combined(deferred, &parts)
     }
@@ -158,25 +174,29 @@ impl<'p, 'a> Pixel<'p, 'a> {
         total
     }
 
-    /// Deferred light for an interval: from the widest interval around it that it changes steadily in.
-    fn serve(&mut self, deferred: &Group, node: Node) -> Served {
+    /// Deferred light for an interval, and what its tristimulus values may be off by: from the widest interval around it that it changes steadily in.
+    fn serve(&mut self, deferred: &Group, node: Node) -> (Interval<f64>, [f64; 3]) {
         if node == Node::ROOT {
             let light = self.whole(deferred);
             let estimate = halves(node).map(|half| self.difference(deferred, &light, half));
-            return Served { light, estimate: core::array::from_fn(|a| estimate[0][a] + estimate[1][a]) };
+            return (self.light(&light, node), core::array::from_fn(|a| estimate[0][a] + estimate[1][a]));
         }
-        let mut ancestors: Vec<Node> = core::iter::successors(node.parent(), |node| node.parent()).collect();
-        while let Some(wider) = ancestors.pop() {
-            if self.is_steady(deferred, wider) {
-                return self.interpolated(deferred, wider, node);
-            }
+        if let Some(wider) = self.steady_around(deferred, node) {
+            return self.interpolated(deferred, wider, node);
         }
         let before = match node.parent() {
             Some(parent) if parent != Node::ROOT => self.trace(deferred, parent).clone(),
             _ => self.whole(deferred),
         };
         let estimate = self.difference(deferred, &before, node);
-        Served { light: self.trace(deferred, node).clone(), estimate }
+        let own = self.trace(deferred, node).clone();
+        (self.light(&own, node), estimate)
+    }
+
+    /// The widest interval around another that light changes steadily in.
+    fn steady_around(&mut self, deferred: &Group, node: Node) -> Option<Node> {
+        let parent = node.parent()?;
+        self.steady_around(deferred, parent).or_else(|| self.is_steady(deferred, parent).then_some(parent))
     }
 
     /// How far the light traced for an interval is from other light there.
@@ -186,20 +206,56 @@ impl<'p, 'a> Pixel<'p, 'a> {
         core::array::from_fn(|a| (own[a] - other[a]).abs())
     }
 
+    /// Light traced for the middles of an interval's first half, of itself and of its last half: what each product counts for.
+    fn three(&mut self, deferred: &Group, node: Node) -> Rc<Three> {
+        if let Some(known) = self.threes.get(&key(deferred, node)) {
+            return Rc::clone(known);
+        }
+        let [first, last] = halves(node);
+        let mut terms: Vec<(Monomial, [f64; 3])> = Vec::new();
+        for (place, node) in [first, node, last].into_iter().enumerate() {
+            for (monomial, weight) in self.trace(deferred, node).terms() {
+                match terms.iter_mut().find(|(known, _)| known == monomial) {
+                    Some((_, weights)) => weights[place] = *weight,
+                    None => {
+                        let weights = core::array::from_fn(|i| if i == place { *weight } else { 0.0 });
+                        terms.push((*monomial, weights));
+                    }
+                }
+            }
+        }
+        Rc::clone(self.threes.entry(key(deferred, node)).or_insert(terms.into()))
+    }
+
     /// The light of an interval by the parabola of a wider one. It may be off by as much as the parabola is bent, and by half of what it changes
     /// within the interval.
-    fn interpolated(&mut self, deferred: &Group, wider: Node, node: Node) -> Served {
+    fn interpolated(&mut self, deferred: &Group, wider: Node, node: Node) -> (Interval<f64>, [f64; 3]) {
         let at = |wavelength: f64| self.shared.parabola(wider, wavelength);
         let own = at(self.shared.band(node).wavelength);
         let [first, last] = halves(node).map(|half| at(self.shared.band(half).wavelength));
         let change: [f64; 3] = core::array::from_fn(|k| 0.5 * (last[k] - first[k]));
         let bend = self.shared.bend(wider);
-        let [first, last] = halves(wider);
-        let [mut light, change, bend] =
-            [own, change, bend].map(|[a, b, c]| self.combined(deferred, &[(first, a), (wider, b), (last, c)]));
-        light.keep_positive();
-        let [change, bend] = [change, bend].map(|light| self.colour(&light, node));
-        Served { light, estimate: core::array::from_fn(|a| change[a].abs() + bend[a].abs()) }
+        let three = self.three(deferred, wider);
+        let terms = three.iter().map(|(monomial, weights)| ((*monomial, None), dot(own, *weights)));
+        // Extrapolated, light may be negative.
+        let light = self.sum(terms.filter(|(_, weight)| *weight > 0.0), node);
+        let [change, bend] = self.colours(&three, [change, bend], node);
+        (light, core::array::from_fn(|a| change[a].abs() + bend[a].abs()))
+    }
+
+    /// Colours on an interval of sums of three lights.
+    fn colours<const N: usize>(&mut self, three: &Three, sums: [[f64; 3]; N], node: Node) -> [[f64; 3]; N] {
+        let weight = self.shared.domain.weight(node);
+        let mut colours = [[0.0; 3]; N];
+        for (monomial, weights) in three {
+            let product = self.products.get(self.shared, self.tracer.monomials(), (*monomial, None), node);
+            let xyz = product.tristimulus(&weight);
+            for (colour, sum) in colours.iter_mut().zip(sums) {
+                let times = dot(sum, *weights);
+                *colour = core::array::from_fn(|a| colour[a] + times * xyz[a]);
+            }
+        }
+        colours
     }
 
     /// Whether light is on a line, near enough, at the middles of an interval and its halves. Three that differ much,
@@ -208,13 +264,9 @@ impl<'p, 'a> Pixel<'p, 'a> {
         if let Some(known) = self.is_steady.get(&key(deferred, node)) {
             return *known;
         }
-        let [first, last] = halves(node);
-        let [a, b, c] = self.shared.bend(node);
-        let bend = self.combined(deferred, &[(first, a), (node, b), (last, c)]);
-        let mut estimate = self.colour(&bend, node).map(f64::abs);
-        let change = self.combined(deferred, &[(first, -1.0), (last, 1.0)]);
-        let own = self.combined(deferred, &[(node, 1.0)]);
-        let [change, own] = [&change, &own].map(|light| self.colour(light, node).map(f64::abs));
+        let three = self.three(deferred, node);
+        let sums = [self.shared.bend(node), [-1.0, 0.0, 1.0], [0.0, 1.0, 0.0]];
+        let [mut estimate, change, own] = self.colours(&three, sums, node).map(|colour| colour.map(f64::abs));
         if (0..3).any(|a| change[a] > UNEVEN * own[a]) {
             estimate = core::array::from_fn(|a| estimate[a].max(change[a]));
         }
@@ -278,8 +330,7 @@ impl Sources<f64> for Pixel<'_, '_> {
             return Some(self.products.get(self.shared, self.tracer.monomials(), *term, node));
         }
         let group = self.groups.get(place - self.terms.len())?;
-        let Served { light, estimate } = self.serve(group, node);
-        let mut light = self.light(&light, node);
+        let (mut light, estimate) = self.serve(group, node);
         self.path_radii.insert(key(group, node), estimate);
         match self.shared.order() {
             // Without a radius of its own, the first order counts the path's error with the spectrum's.
