@@ -115,14 +115,14 @@ impl Frame<'_> {
         let next = AtomicUsize::new(0);
         let shared = Mutex::new((vec![Colour::default(); width * height], 0_u64));
         rayon::broadcast(|_| {
-            let mut worker = Worker::new(self.scene, self.order);
+            let mut resolver = new_resolver();
+            let mut worker = Worker::new(self.scene, self.order).with_tolerance(resolver.tolerance());
             if let Some(indirect) = self.indirect {
                 worker = worker.with_indirect(indirect);
             }
             if let Some(caustics) = caustics {
                 worker = worker.with_caustics(caustics);
             }
-            let mut resolver = new_resolver();
             let mut colours = Vec::with_capacity(TILE * TILE);
             loop {
                 let tile = next.fetch_add(1, Ordering::Relaxed);

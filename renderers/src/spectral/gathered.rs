@@ -75,6 +75,10 @@ impl<'c, R> WithGathered<'c, R> {
 }
 
 impl<R: Resolver> Resolver for WithGathered<'_, R> {
+    fn tolerance(&self) -> f64 {
+        self.inner.tolerance()
+    }
+
     fn resolve(&mut self, radiance: &Radiance, tracer: &mut dyn Tracer) -> Colour {
         let mut colour = self.inner.resolve(radiance, tracer);
         self.collect(radiance, tracer);

@@ -337,6 +337,10 @@ impl<'a> Intervals<'a> {
 }
 
 impl Resolver for Intervals<'_> {
+    fn tolerance(&self) -> f64 {
+        self.shared.settings.threshold
+    }
+
     fn resolve(&mut self, radiance: &Radiance, tracer: &mut dyn Tracer) -> Colour {
         let general = |known: &mut Self, tracer: &mut dyn Tracer| {
             let (terms, groups) = parts(radiance, tracer);

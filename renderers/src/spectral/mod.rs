@@ -70,6 +70,11 @@ impl Band {
         (to - from) / (spectral_core::interval::LAST_WAVELENGTH - spectral_core::interval::FIRST_WAVELENGTH)
     }
 
+    /// Whether these are all waves.
+    pub(crate) const fn is_whole(&self) -> bool {
+        self.share() == 1.0
+    }
+
     /// A single wavelength in nm.
     #[must_use]
     pub const fn single(wavelength: f64) -> Self {
@@ -112,6 +117,11 @@ pub trait Tracer {
 pub trait Resolver {
     /// The colour of a pixel.
     fn resolve(&mut self, radiance: &Radiance, tracer: &mut dyn Tracer) -> Colour;
+
+    /// The ΔE*ab that colours may be off by; 0 if nothing is left out on purpose.
+    fn tolerance(&self) -> f64 {
+        0.0
+    }
 
     /// Adds gathered light to the spectrum of the pixel that was resolved last: a row of the same representation times a product of
     /// leaves and a weight. Nothing without spectra.

@@ -254,33 +254,45 @@ impl<'s> Worker<'s> {
 
     /// Adds what a surface reflects of light that comes by way of mirrors and glass; what depends on the wavelength is deferred.
     pub(super) fn caustic(&mut self, hit: &Hit, direction: DVec3, path: Path, radiance: &mut Radiance) {
-        let Some(caustics) = self.caustics else { return };
         // Light between surfaces alone is wanted where nothing is kept.
         if self.is_preparing && path.band.is_some() {
             return;
         }
+        let Some(curve) = self.caustic_for_all((hit, direction), path, radiance) else {
+            return self.by_bands(Dispersed { hit: *hit, direction, path }, radiance);
+        };
+        match (curve, path.band) {
+            (None, _) => {}
+            (Some(curve), Some(band)) => self.add_product(&curve.over(band), Path { weight: 1.0, ..path }, radiance),
+            (Some(curve), None) => {
+                let number = u32::try_from(self.deferred.len()).unwrap_or(u32::MAX);
+                self.deferred.push(Later::Curve(curve));
+                radiance.defer(Deferred(number), path.monomial, 1.0);
+            }
+        }
+    }
+
+    /// Adds what a surface reflects of such light that is the same for all waves, and finds the rest: `None` if that must be asked for by bands.
+    pub(super) fn caustic_for_all(
+        &mut self,
+        (hit, direction): (&Hit, DVec3),
+        path: Path,
+        radiance: &mut Radiance,
+    ) -> Option<Option<Arc<Curve>>> {
+        let Some(caustics) = self.caustics else { return Some(None) };
         let noise = self.noise_share(path.band);
         self.arriving(hit, direction, (path, noise), None, radiance);
-        let place = Dispersed { hit: *hit, direction, path };
         let alike = matches!(self.scene.material(hit), Some(Material::Diffuse(_)));
         let spectra = match caustics.dispersed(hit, (self.least(path), alike), path.band, &mut self.arriving) {
-            Dispersion::None => return,
+            Dispersion::None => return Some(None),
             Dispersion::Known(spectra) => spectra,
-            Dispersion::ByBands => return self.by_bands(place, radiance),
+            Dispersion::ByBands => return None,
         };
         if self.arriving.passed.list.is_empty() {
-            return;
+            return Some(None);
         }
-        let curve = self.curve(&place, &spectra, noise);
-        if curve.monomials.is_empty() {
-            return;
-        }
-        if let Some(band) = path.band {
-            return self.add_product(&curve.over(band), Path { weight: 1.0, ..path }, radiance);
-        }
-        let number = u32::try_from(self.deferred.len()).unwrap_or(u32::MAX);
-        self.deferred.push(Later::Curve(Arc::new(curve)));
-        radiance.defer(Deferred(number), path.monomial, 1.0);
+        let curve = self.curve(&Dispersed { hit: *hit, direction, path }, &spectra, noise);
+        Some((!curve.monomials.is_empty()).then(|| Arc::new(curve)))
     }
 
     /// Adds the light of a place that must be asked for by bands.
@@ -346,7 +358,7 @@ impl<'s> Worker<'s> {
 
     /// Half of a pixel's width where a path is, if nothing magnifies: smaller details are not asked for.
     #[allow(clippy::cast_possible_truncation, reason = "a radius")]
-    fn least(&self, path: Path) -> f32 {
+    pub(super) fn least(&self, path: Path) -> f32 {
         (0.5 * self.scene.pixel_angle * path.length) as f32
     }
 
@@ -379,7 +391,7 @@ impl<'s> Worker<'s> {
     }
 
     /// The part of a band's errors that counts: light that was asked for in some bands is asked for again in others.
-    fn noise_share(&mut self, band: Option<Band>) -> f64 {
+    pub(super) fn noise_share(&mut self, band: Option<Band>) -> f64 {
         let share = match band {
             None => return 1.0,
             Some(band) if band.share() == 0.0 => 1.0,

@@ -12,7 +12,8 @@
 //! each camera ray, the more the rougher, and reflect other surfaces; see [`GlossyLight`]. Noise goes down with the camera rays per pixel.
 //!
 //! Approximations: light that reaches a diffuse surface by way of mirrors or glass (caustics) is not found, unless a worker is given photons;
-//! light between diffuse surfaces is the scene's ambient term, unless it is given [`Indirect`] light in its place. Paths end after [`max_depth`](Settings::max_depth) reflections and refractions, or when the light that
+//! light between diffuse surfaces is the scene's ambient term, unless it is given [`Indirect`] light in its place. Behind glass with dispersion, light
+//! of a place on a flat diffuse surface may be that of another which is nearer than what is seen, as far as colours may be off. Paths end after [`max_depth`](Settings::max_depth) reflections and refractions, or when the light that
 //! comes back can count for less than 10⁻⁴ before the reflectances of mirrors.
 
 mod build;
@@ -20,6 +21,7 @@ mod caustic;
 mod deferred;
 mod error;
 mod glossy;
+mod places;
 mod refraction;
 mod schlick;
 
@@ -34,6 +36,7 @@ use spectral_core::brdf::Schlick;
 use self::caustic::{Curve, Dispersed, Node};
 pub use self::error::RenderError;
 pub use self::glossy::GlossyLight;
+use self::places::Place;
 use self::refraction::Interface;
 pub(crate) use self::refraction::boundary;
 use crate::direct::{Blockers, Cells, Cover, KnownCells, Light, Part, Receiver, Scratch, Source, Surroundings, single};
@@ -183,6 +186,9 @@ pub struct Worker<'s> {
     prepared: Vec<(usize, Radiance)>,
     /// Whether deferred light is followed for the first time: light between surfaces is wanted then.
     is_preparing: bool,
+    /// Light that was found for all waves where paths that depend on them came to, and the ΔE*ab that it may cost to take it for others.
+    places: Vec<Place>,
+    tolerance: f64,
     known: KnownCells,
     scratch: Scratch,
     points: SobolSequence,
@@ -242,6 +248,8 @@ impl<'s> Worker<'s> {
             noise_counted: None,
             prepared: Vec::new(),
             is_preparing: false,
+            places: Vec::new(),
+            tolerance: 0.0,
             known: KnownCells::default(),
             scratch: Scratch::default(),
             points: SobolSequence::new(0),
@@ -254,6 +262,13 @@ impl<'s> Worker<'s> {
     #[must_use]
     pub fn with_indirect(mut self, indirect: &'s dyn Indirect) -> Self {
         self.between = Between::Asked(indirect);
+        self
+    }
+
+    /// The same, where light that is seen by paths for some waves may be taken from places nearby, as far as that costs about this ΔE*ab at most.
+    #[must_use]
+    pub(crate) const fn with_tolerance(mut self, delta_e: f64) -> Self {
+        self.tolerance = delta_e;
         self
     }
 
@@ -284,6 +299,7 @@ impl<'s> Worker<'s> {
 
     fn forget_deferred(&mut self) {
         self.deferred.clear();
+        self.places.clear();
         self.prepared.clear();
         self.rows.clear();
     }
@@ -360,6 +376,8 @@ impl<'s> Worker<'s> {
         let Some(Surface { material, .. }) = scene.surfaces.get(hit.shape as usize) else { return };
         match material.side(hit.front) {
             None | Some(Material::TwoSided(_)) => {}
+            Some(Material::Diffuse(reflectance))
+                if self.reflects_alike((hit, direction), path, *reflectance, radiance) => {}
             Some(material @ (Material::Diffuse(_) | Material::Ward(_))) => {
                 for (factor, lobe) in material.lobes().into_iter().flatten() {
                     match lobe {
