@@ -2,7 +2,7 @@
 
 use core::ops::Range;
 
-use glam::{DVec3, Vec3A};
+use glam::{DVec3, Vec3A, Vec4};
 
 use super::bands::Thrown;
 use super::footprints::Footprint;
@@ -239,8 +239,8 @@ fn squares_of(row: &[f32; LEAF]) -> f64 {
 
 /// A bit for each that is above 0.
 fn lit_of(row: &[f32; LEAF]) -> u32 {
-    let bits: [u32; LEAF] = core::array::from_fn(|i| if row[i] > 0.0 { 1 << i } else { 0 });
-    bits.iter().fold(0, |lit, bit| lit | bit)
+    let fours = row.chunks_exact(4).map(|four| Vec4::from_slice(four).cmpgt(Vec4::ZERO).bitmask());
+    fours.enumerate().fold(0, |lit, (place, bits)| lit | bits << (4 * place))
 }
 
 impl Passing {

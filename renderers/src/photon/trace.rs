@@ -14,7 +14,7 @@ use crate::geometry::sampling::combine;
 use crate::geometry::{Hit, NO_PRIMITIVE, Ray};
 use crate::material::{Dielectric, Material, mirror_factors};
 use crate::spectral::Factor;
-use crate::whitted::{Whitted, boundary, mirror_ray, receiver};
+use crate::whitted::{Whitted, boundary_of, mirror_ray, receiver, reflected_by};
 
 /// Where the likelihood to go on that is the same at all wavelengths is less than this part of what a path's weight asks for, the path's
 /// own counts.
@@ -197,7 +197,32 @@ pub(super) struct Walk<'s, L> {
     start: Start,
     /// In nm, for paths that are thrown.
     wavelength: Option<f64>,
+    indices: Indices,
     path: u32,
+}
+
+/// Relative indices of refraction by surfaces, so far as they have been asked for: at a wavelength in nm and at the d line.
+#[derive(Debug, Default)]
+struct Indices {
+    wavelength: Option<f64>,
+    known: Vec<Option<[f64; 2]>>,
+}
+
+impl Indices {
+    fn of(&mut self, surface: u32, dielectric: &Dielectric, wavelength: Option<f64>) -> [f64; 2] {
+        if self.wavelength != wavelength {
+            self.wavelength = wavelength;
+            self.known.clear();
+        }
+        let place = surface as usize;
+        if let Some(Some(known)) = self.known.get(place) {
+            return *known;
+        }
+        let indices = [wavelength.unwrap_or(LINE_D), LINE_D].map(|wavelength| dielectric.relative_index(wavelength));
+        self.known.resize(self.known.len().max(place + 1), None);
+        self.known[place] = Some(indices);
+        indices
+    }
 }
 
 impl<'s, L: Landing> Walk<'s, L> {
@@ -212,6 +237,7 @@ impl<'s, L: Landing> Walk<'s, L> {
             ways: Vec::new(),
             start,
             wavelength: None,
+            indices: Indices::default(),
             path: 0,
         }
     }
@@ -408,10 +434,9 @@ impl<'s, L: Landing> Walk<'s, L> {
 
     /// Goes on from a boundary of transparent media, both ways.
     fn part(&mut self, hit: &Hit, direction: DVec3, state: State, dielectric: &Dielectric) {
-        let wavelength = self.wavelength.unwrap_or(LINE_D);
-        let (reflected, onward) = boundary(dielectric, hit, direction, wavelength);
-        let at_d =
-            if dielectric.has_constant_index() { reflected } else { boundary(dielectric, hit, direction, LINE_D).0 };
+        let [index, index_at_d] = self.indices.of(surface(hit.shape, hit.front), dielectric, self.wavelength);
+        let (reflected, onward) = boundary_of(index, hit, direction);
+        let at_d = if index == index_at_d { reflected } else { reflected_by(index_at_d, hit, direction) };
         let Dielectric { reflectance, transmittance, .. } = dielectric;
         let mut way = |factor: Factor, part: f64, guide: f64, ray: Ray, interior: Option<u32>| {
             let mean = factor.scale * self.around.mean(factor);

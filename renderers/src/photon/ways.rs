@@ -1,5 +1,7 @@
 //! Photons of a leaf that move with the wavelength, side by side.
 
+use core::ops::Range;
+
 use super::kernel::Kernel;
 use super::map::{LEAF, Region};
 use super::motion::Motion;
@@ -45,10 +47,14 @@ pub(super) struct About<'r> {
     pub(super) kernel: Kernel,
 }
 
-/// Coefficients by how far photons are from the middles of their ways: of the squares of their distances from a place, and of their heights above its plane.
+/// Coefficients by how far photons are from the middles of their ways: of the squares of their distances from a place over the radius, of their heights
+/// above its plane, and of their fluxes over the radius' square.
 struct Course {
     square: [[f32; LEAF]; 3],
     height: [[f32; LEAF]; 2],
+    flux: [[f32; LEAF]; 2],
+    /// Whether all are in the place's plane, wherever they are on their ways.
+    is_flat: bool,
 }
 
 impl Ways {
@@ -100,65 +106,102 @@ impl Ways {
     /// How much of each photon there is so many steps after its way began.
     #[inline]
     pub(super) fn present(&self, step: f32) -> [f32; LEAF] {
-        core::array::from_fn(|i| (self.at_first[i] + step).min(1.0) * (self.until[i] - step).clamp(0.0, 1.0))
+        let mut present = [0.0; LEAF];
+        for (present, (at_first, until)) in present.iter_mut().zip(self.at_first.iter().zip(&self.until)) {
+            *present = at_most(at_first + step, 1.0) * at_least(at_most(until - step, 1.0), 0.0);
+        }
+        present
     }
 
     /// About a place.
-    fn course(&self, region: &Region) -> Course {
-        let Region { position: p, normal: n, .. } = *region;
+    #[inline]
+    fn course(&self, about: About<'_>) -> Course {
+        let About { region: Region { position: p, normal: n, thickness, .. }, radius, .. } = about;
+        let by_area = 1.0 / (radius * radius);
         let ([x, y, z], [u, v, w]) = (&self.place, &self.way);
-        let mut course = Course { square: [[0.0; LEAF]; 3], height: [[0.0; LEAF]; 2] };
+        let none = [0.0; LEAF];
+        let mut course = Course { square: [none; 3], height: [none; 2], flux: [none; 2], is_flat: true };
+        let mut highest = none;
         for i in 0..LEAF {
             let (d, way) = ([x[i] - p[0], y[i] - p[1], z[i] - p[2]], [u[i], v[i], w[i]]);
             let dot = |a: [f32; 3], b: [f32; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-            course.square[0][i] = dot(d, d);
-            course.square[1][i] = 2.0 * dot(d, way);
-            course.square[2][i] = dot(way, way);
-            course.height[0][i] = dot(n, d);
-            course.height[1][i] = dot(n, way);
+            course.square[0][i] = dot(d, d) * by_area;
+            course.square[1][i] = 2.0 * dot(d, way) * by_area;
+            course.square[2][i] = dot(way, way) * by_area;
+            course.height[0][i] = dot(*n, d);
+            course.height[1][i] = dot(*n, way);
+            course.flux[0][i] = self.flux[i] * by_area;
+            course.flux[1][i] = self.change[i] * by_area;
+            highest[i] = course.height[0][i].abs() + course.height[1][i].abs();
         }
+        course.is_flat = highest.iter().fold(true, |is_flat, height| is_flat & (*height <= *thickness));
         course
     }
 
     /// Adds rows of the irradiances of all photons at a place. Each row is a step further on their ways, the first as many steps from where they
     /// begin as is returned. What is asked for, from one end of a step to another (that not included), is among it.
     pub(super) fn light(&self, about: About<'_>, [first, end]: [u16; 2], found: &mut Vec<[f32; LEAF]>) -> u16 {
-        let course = self.course(about.region);
+        let course = self.course(about);
         let [earliest, latest] = self.begins;
         let steps = first.saturating_sub(latest)..end.saturating_sub(earliest).min(self.most + 1);
         let start = steps.start;
         // A kernel that is known where it is evaluated is so for several photons at once.
-        let each = |light: &dyn Fn(f32) -> [f32; LEAF]| found.extend(steps.map(|step| light(f32::from(step))));
         match about.kernel {
-            Kernel::Constant => each(&|step| self.at(about, &course, step, |t2| Kernel::Constant.within(t2))),
-            Kernel::Cone => each(&|step| self.at(about, &course, step, |t2| Kernel::Cone.within(t2))),
-            Kernel::Epanechnikov => each(&|step| self.at(about, &course, step, |t2| Kernel::Epanechnikov.within(t2))),
-            Kernel::Biweight => each(&|step| self.at(about, &course, step, |t2| Kernel::Biweight.within(t2))),
-            Kernel::Triweight => each(&|step| self.at(about, &course, step, |t2| Kernel::Triweight.within(t2))),
+            Kernel::Constant => self.rows(about, &course, steps, |t2| Kernel::Constant.within(t2), found),
+            Kernel::Cone => self.rows(about, &course, steps, |t2| Kernel::Cone.within(t2), found),
+            Kernel::Epanechnikov => self.rows(about, &course, steps, |t2| Kernel::Epanechnikov.within(t2), found),
+            Kernel::Biweight => self.rows(about, &course, steps, |t2| Kernel::Biweight.within(t2), found),
+            Kernel::Triweight => self.rows(about, &course, steps, |t2| Kernel::Triweight.within(t2), found),
         }
         start
     }
 
     /// The kernel is that of the square of the distance over the radius, up to 1.
     #[inline]
-    fn at(&self, about: About<'_>, course: &Course, step: f32, kernel: impl Fn(f32) -> f32) -> [f32; LEAF] {
+    fn rows(
+        &self,
+        about: About<'_>,
+        course: &Course,
+        steps: Range<u16>,
+        kernel: impl Fn(f32) -> f32,
+        found: &mut Vec<[f32; LEAF]>,
+    ) {
         let About { region: Region { thickness, slope, .. }, radius, .. } = about;
-        let (thickness2, slope2, by_area) = (thickness * thickness, slope * slope, 1.0 / (radius * radius));
-        let ([a, b, c], [h, k]) = (&course.square, &course.height);
-        let since = step / f32::from(self.steps);
-        let (present, mut light) = (self.present(step), [0.0; LEAF]);
-        for i in 0..LEAF {
-            let t = self.begin[i] + since;
-            let distance2 = (a[i] + t * (b[i] + t * c[i])).max(0.0);
-            let height = h[i] + t * k[i];
-            let flux = (self.flux[i] + t * self.change[i]).max(0.0) * present[i];
-            let t2 = distance2 * by_area;
-            let counts = (t2 <= 1.0) & (height * height <= thickness2 + slope2 * distance2);
-            let value = flux * by_area * kernel(t2.min(1.0));
-            light[i] = if counts { value } else { 0.0 };
+        let (thickness2, slope2) = (thickness * thickness, slope * slope * (radius * radius));
+        let ([a, b, c], [h, k], [flux, change]) = (&course.square, &course.height, &course.flux);
+        for step in steps {
+            let step = f32::from(step);
+            let since = step / f32::from(self.steps);
+            let (present, mut light) = (self.present(step), [0.0; LEAF]);
+            for i in 0..LEAF {
+                let t = self.begin[i] + since;
+                let t2 = a[i] + t * (b[i] + t * c[i]);
+                let flux = at_least(flux[i] + t * change[i], 0.0) * present[i];
+                let value = flux * kernel(at_least(at_most(t2, 1.0), 0.0));
+                light[i] = if t2 <= 1.0 { value } else { 0.0 };
+            }
+            if !course.is_flat {
+                for i in 0..LEAF {
+                    let t = self.begin[i] + since;
+                    let (height, t2) = (h[i] + t * k[i], at_least(a[i] + t * (b[i] + t * c[i]), 0.0));
+                    light[i] = if height * height <= thickness2 + slope2 * t2 { light[i] } else { 0.0 };
+                }
+            }
+            found.push(light);
         }
-        light
     }
+}
+
+/// The larger of two numbers; the second for NaN. In one instruction, other than that of the standard library.
+#[inline]
+fn at_least(x: f32, least: f32) -> f32 {
+    if x > least { x } else { least }
+}
+
+/// The smaller of two numbers; the second for NaN.
+#[inline]
+fn at_most(x: f32, most: f32) -> f32 {
+    if x < most { x } else { most }
 }
 
 /// In how many even steps from 0 to 1 light of photons is found that count within a radius: as many as nine in ten ask for by their speeds, and all

@@ -1,6 +1,7 @@
 //! Light that reaches surfaces by way of mirrors and glass, from whatever finds it.
 
 use alloc::sync::Arc;
+use std::collections::HashMap;
 use std::sync::LazyLock;
 
 use glam::DVec3;
@@ -153,43 +154,57 @@ pub(crate) fn nodes_of(band: Band, steps: u16) -> [u16; 2] {
     [first, last + 2]
 }
 
+/// What a band has of the steps that it goes over: what the light at either end of each counts for.
+type Parts = [(usize, [f64; 2])];
+
+/// What bands that were asked for have of steps: there are few of them, and each is asked for again and again.
+#[derive(Debug, Default)]
+pub(super) struct BandParts(HashMap<([u64; 3], u16), Arc<Parts>>);
+
+impl BandParts {
+    fn of(&mut self, band: Band, steps: u16) -> Arc<Parts> {
+        let [from, to] = band.limits;
+        let key = ([band.wavelength, from, to].map(f64::to_bits), steps);
+        Arc::clone(self.0.entry(key).or_insert_with(|| parts(band, steps).into()))
+    }
+}
+
+fn parts(band: Band, steps: u16) -> Vec<(usize, [f64; 2])> {
+    let step_at = |place: f64| usize::from(step_at(place, steps));
+    let steps = f64::from(steps);
+    let [from, to] = band.limits;
+    let [before, after] = [from, to].map(|limit| SENSITIVITY.up_to(limit));
+    let total = after[0] - before[0];
+    #[allow(clippy::cast_precision_loss, reason = "the number of a step")]
+    let number = |step: usize| step as f64;
+    if !(to > from && total > 0.0) {
+        let place = between(band.wavelength);
+        let step = step_at(place);
+        let t = place * steps - number(step);
+        return vec![(step, [1.0 - t, t])];
+    }
+    let [first, last] = [from, to].map(|limit| step_at(between(limit)));
+    let mut known = before;
+    let share = |step: usize| {
+        let end = if step == last { after } else { SENSITIVITY.up_to(wavelength_at(number(step + 1) / steps)) };
+        let [sum, moment] = [0, 1].map(|k| (end[k] - known[k]) / total);
+        known = end;
+        let of_last = moment * steps - sum * number(step);
+        (step, [sum - of_last, of_last])
+    };
+    (first..=last).map(share).collect()
+}
+
 impl Curve {
     /// The light of a band: the mean over its waves, by the eye's sensitivity x̄ + ȳ + z̄; that of a single wavelength if there are no others.
-    pub(super) fn over(&self, band: Band) -> Radiance {
-        let shares = self.shares(band);
+    pub(super) fn over(&self, band: Band, known: &mut BandParts) -> Radiance {
+        let parts = known.of(band, self.steps);
         let mut light = Radiance::default();
         for (monomial, weights) in self.terms() {
             let of = |(step, [first, last]): &(usize, [f64; 2])| first * weights[*step] + last * weights[step + 1];
-            light.add(monomial, shares.iter().map(of).sum());
+            light.add(monomial, parts.iter().map(of).sum());
         }
         light
-    }
-
-    /// What a band has of the steps that it goes over: what the light at either end of each counts for.
-    fn shares(&self, band: Band) -> Vec<(usize, [f64; 2])> {
-        let steps = f64::from(self.steps);
-        let step_at = |place: f64| usize::from(step_at(place, self.steps));
-        let [from, to] = band.limits;
-        let [before, after] = [from, to].map(|limit| SENSITIVITY.up_to(limit));
-        let total = after[0] - before[0];
-        #[allow(clippy::cast_precision_loss, reason = "the number of a step")]
-        let number = |step: usize| step as f64;
-        if !(to > from && total > 0.0) {
-            let place = between(band.wavelength);
-            let step = step_at(place);
-            let t = place * steps - number(step);
-            return vec![(step, [1.0 - t, t])];
-        }
-        let [first, last] = [from, to].map(|limit| step_at(between(limit)));
-        let mut known = before;
-        let share = |step: usize| {
-            let end = if step == last { after } else { SENSITIVITY.up_to(wavelength_at(number(step + 1) / steps)) };
-            let [sum, moment] = [0, 1].map(|k| (end[k] - known[k]) / total);
-            known = end;
-            let of_last = moment * steps - sum * number(step);
-            (step, [sum - of_last, of_last])
-        };
-        (first..=last).map(share).collect()
     }
 
     /// How many steps there are between the first and the last visible wavelength.
@@ -263,7 +278,10 @@ impl<'s> Worker<'s> {
         };
         match (curve, path.band) {
             (None, _) => {}
-            (Some(curve), Some(band)) => self.add_product(&curve.over(band), Path { weight: 1.0, ..path }, radiance),
+            (Some(curve), Some(band)) => {
+                let light = curve.over(band, &mut self.band_parts);
+                self.add_product(&light, Path { weight: 1.0, ..path }, radiance);
+            }
             (Some(curve), None) => {
                 let number = u32::try_from(self.deferred.len()).unwrap_or(u32::MAX);
                 self.deferred.push(Later::Curve(curve));
@@ -464,7 +482,7 @@ impl<'s> Worker<'s> {
 mod tests {
     use spectral_core::Observer;
 
-    use super::{Curve, between, nodes_of, wavelength_at};
+    use super::{BandParts, Curve, between, nodes_of, wavelength_at};
     use crate::spectral::{Band, Monomial, measure};
 
     /// A curve through the light at nodes, of which there is one more than steps.
@@ -475,7 +493,7 @@ mod tests {
     }
 
     fn of(curve: &Curve, band: Band) -> f64 {
-        curve.over(band).terms().iter().map(|(_, weight)| weight).sum()
+        curve.over(band, &mut BandParts::default()).terms().iter().map(|(_, weight)| weight).sum()
     }
 
     /// A band has the same light where only what it asks for is known.

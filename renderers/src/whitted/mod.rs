@@ -33,12 +33,12 @@ use alloc::sync::Arc;
 use glam::DVec3;
 use spectral_core::brdf::Schlick;
 
-use self::caustic::{Curve, Dispersed, Node};
+use self::caustic::{BandParts, Curve, Dispersed, Node};
 pub use self::error::RenderError;
 pub use self::glossy::GlossyLight;
 use self::places::Place;
 use self::refraction::Interface;
-pub(crate) use self::refraction::boundary;
+pub(crate) use self::refraction::{boundary, boundary_of, reflected_by};
 use crate::direct::{Blockers, Cells, Cover, KnownCells, Light, Part, Receiver, Scratch, Source, Surroundings, single};
 use crate::frame::{Frame, Parametrisation};
 use crate::geometry::sampling::SobolSequence;
@@ -178,6 +178,7 @@ pub struct Worker<'s> {
     /// Sums of light that passes as the wavelength changes: for each of these products of spectra some, one for each wavelength.
     numbers: Vec<u32>,
     nodes: Vec<Node>,
+    band_parts: BandParts,
     /// The standard errors of the pixel's light by way of mirrors and glass, and the share of all waves that the bands have in which they
     /// are counted.
     noise: Radiance,
@@ -244,6 +245,7 @@ impl<'s> Worker<'s> {
             sums: Vec::new(),
             numbers: Vec::new(),
             nodes: Vec::new(),
+            band_parts: BandParts::default(),
             noise: Radiance::default(),
             noise_counted: None,
             prepared: Vec::new(),

@@ -69,7 +69,8 @@ impl Worker<'_> {
         let Some(Place { light, curve, noise, .. }) = self.places.get(number).cloned() else { return false };
         self.add_product(&light, path, radiance);
         if let Some(curve) = curve {
-            self.add_product(&curve.over(band), path, radiance);
+            let light = curve.over(band, &mut self.band_parts);
+            self.add_product(&light, path, radiance);
         }
         let share = path.weight * self.noise_share(path.band);
         for (monomial, error) in noise.terms() {

@@ -77,7 +77,7 @@ impl Worker<'_> {
             }
             // Nothing in these is gathered.
             Some(Later::Dispersed(place)) if !self.is_preparing => self.dispersed(&place, band),
-            Some(Later::Curve(light)) if !self.is_preparing => light.over(band),
+            Some(Later::Curve(light)) if !self.is_preparing => light.over(band, &mut self.band_parts),
             _ => Radiance::default(),
         }
     }
@@ -109,14 +109,28 @@ impl Worker<'_> {
 
 /// The share of light that a boundary reflects at a wavelength, and the direction in which the rest goes on.
 pub(crate) fn boundary(dielectric: &Dielectric, hit: &Hit, direction: DVec3, wavelength: f64) -> (f64, Option<DVec3>) {
+    boundary_of(dielectric.relative_index(wavelength), hit, direction)
+}
+
+/// The same where the index of the interior relative to the exterior is known.
+pub(crate) fn boundary_of(relative: f64, hit: &Hit, direction: DVec3) -> (f64, Option<DVec3>) {
     let normal = receiver(hit).normal;
-    let relative = dielectric.relative_index(wavelength);
-    let eta = if hit.front { relative } else { 1.0 / relative };
-    let cosine = (-direction.dot(normal)).clamp(0.0, 1.0);
+    let (cosine, eta) = incident(relative, hit, -direction.dot(normal));
     match fresnel::dielectric(cosine, eta) {
         None => (1.0, None),
         Some((share, refracted)) => {
             (share, Some((direction / eta + normal * (cosine / eta - refracted)).normalize_or_zero()))
         }
     }
+}
+
+/// The share alone.
+pub(crate) fn reflected_by(relative: f64, hit: &Hit, direction: DVec3) -> f64 {
+    let (cosine, eta) = incident(relative, hit, -direction.dot(receiver(hit).normal));
+    fresnel::dielectric(cosine, eta).map_or(1.0, |(share, _)| share)
+}
+
+/// The cosine of the angle at which light comes to a boundary, and the index of what is beyond relative to what is before.
+fn incident(relative: f64, hit: &Hit, cosine: f64) -> (f64, f64) {
+    (cosine.clamp(0.0, 1.0), if hit.front { relative } else { 1.0 / relative })
 }
