@@ -449,6 +449,10 @@ impl Caustics for Maps<'_> {
         spectra.unwrap_or_else(|| Arc::clone(&self.even.spectra))
     }
 
+    fn is_by_bands(&self) -> bool {
+        self.whole.as_ref().and_then(|slot| slot.thrown.get()).is_some_and(|thrown| !thrown.is_moving())
+    }
+
     fn dispersed(&self, hit: &Hit, (least, alike): (f32, bool), band: Option<Band>, found: &mut Arrived) -> Dispersion {
         let Some(thrown) = self.whole.as_ref().and_then(|slot| slot.thrown.get()) else { return Dispersion::None };
         let place = self.place(hit);

@@ -25,6 +25,9 @@ pub(crate) trait Caustics: Sync {
     /// is added to `found`; returned are the products of spectra that it refers to.
     fn arriving(&self, hit: &Hit, least: f32, band: Option<Band>, found: &mut Arrived) -> Arc<Spectra>;
 
+    /// Whether light whose ways depend on the wavelength must be asked for by bands, wherever there is any.
+    fn is_by_bands(&self) -> bool;
+
     /// Finds the light that reaches a place by ways that depend on the wavelength: at all wavelengths, or at those that it takes for a band, and
     /// whether its directions matter or are all alike. What was found of such light before is forgotten.
     fn dispersed(&self, hit: &Hit, how: (f32, bool), band: Option<Band>, found: &mut Arrived) -> Dispersion;
@@ -413,6 +416,8 @@ impl<'s> Worker<'s> {
         let share = match band {
             None => return 1.0,
             Some(band) if band.share() == 0.0 => 1.0,
+            // The whole is asked for again in parts.
+            Some(band) if band.is_whole() && self.tolerance > 0.0 => return 0.0,
             Some(band) => band.share(),
         };
         // Equal bands may differ by rounding.

@@ -144,6 +144,7 @@ impl Worker<'_> {
             let onward = Path {
                 weight: path.weight * share,
                 least: path.least * share,
+                whole: path.whole * share,
                 depth: path.depth + 1,
                 scattered: true,
                 index,

@@ -12,8 +12,8 @@
 //! each camera ray, the more the rougher, and reflect other surfaces; see [`GlossyLight`]. Noise goes down with the camera rays per pixel.
 //!
 //! Approximations: light that reaches a diffuse surface by way of mirrors or glass (caustics) is not found, unless a worker is given photons;
-//! light between diffuse surfaces is the scene's ambient term, unless it is given [`Indirect`] light in its place. Behind glass with dispersion, light
-//! of a place on a flat diffuse surface may be that of another which is nearer than what is seen, as far as colours may be off. Paths end after [`max_depth`](Settings::max_depth) reflections and refractions, or when the light that
+//! light between diffuse surfaces is the scene's ambient term, unless it is given [`Indirect`] light in its place. Behind glass with dispersion, what
+//! a flat diffuse surface reflects may be taken from a place within a part of a pixel's width, the more of it the more colours may be off. Paths end after [`max_depth`](Settings::max_depth) reflections and refractions, or when the light that
 //! comes back can count for less than 10⁻⁴ before the reflectances of mirrors.
 
 mod build;
@@ -188,7 +188,7 @@ pub struct Worker<'s> {
     /// Whether deferred light is followed for the first time: light between surfaces is wanted then.
     is_preparing: bool,
     /// Light that was found for all waves where paths that depend on them came to, and the ΔE*ab that it may cost to take it for others.
-    places: Vec<Place>,
+    places: Vec<Arc<Place>>,
     tolerance: f64,
     known: KnownCells,
     scratch: Scratch,
@@ -217,6 +217,8 @@ struct Path {
     counts: f64,
     /// It is not followed where it counts for less.
     least: f64,
+    /// What all counts for that its camera ray sees, or its share of that where paths part at random.
+    whole: f64,
     depth: u32,
     /// Whether a glossy surface has chosen its direction.
     scattered: bool,
@@ -267,7 +269,9 @@ impl<'s> Worker<'s> {
         self
     }
 
-    /// The same, where light that is seen by paths for some waves may be taken from places nearby, as far as that costs about this ΔE*ab at most.
+    /// The same, where light that is seen by paths for some waves may be taken from places nearby: as near as it takes for about this ΔE*ab where light
+    /// changes by a few per cent within a pixel; at edges it may cost more, and errors that are estimated don't know of it. Whoever tolerates that
+    /// asks for narrower bands after the whole.
     #[must_use]
     pub(crate) const fn with_tolerance(mut self, delta_e: f64) -> Self {
         self.tolerance = delta_e;
@@ -330,6 +334,7 @@ impl<'s> Worker<'s> {
             weight,
             counts: 1.0,
             least: LEAST_WEIGHT.min(weight * LEAST_SHARE),
+            whole: weight,
             depth: 0,
             scattered: false,
             index: self.samples,
