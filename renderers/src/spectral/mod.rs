@@ -41,6 +41,7 @@ pub struct Colour {
     /// estimate otherwise; 0 for representations without a bound.
     pub delta_e: f64,
     /// The part of the bound that comes of deferred light's paths: an estimate. Light that changes in straight lines in 1/λ² by the wavelength has none.
+    /// What paths for some waves take from places nearby isn't in it.
     pub path_delta_e: f64,
     /// What a standard error of the light found by photons counts for: a ΔE*ab, not part of the bound.
     pub photon_delta_e: f64,
