@@ -501,6 +501,23 @@ mod tests {
         curve.over(band, &mut BandParts::default()).terms().iter().map(|(_, weight)| weight).sum()
     }
 
+    /// What is kept of bands is theirs alone: of each band, or single wavelength, and of each number of steps.
+    #[test]
+    fn bands_keep_their_own_parts() {
+        let mut known = BandParts::default();
+        for _ in 0..2 {
+            for steps in [1, 2, 8] {
+                for (wavelength, limits) in
+                    [(500.0, [480.0, 520.0]), (500.0, [380.0, 780.0]), (500.0, [500.0; 2]), (600.0, [500.0; 2])]
+                {
+                    let (band, own) = (Band { wavelength, limits }, curve(steps, |w| (w / 50.0).sin()));
+                    let kept = own.over(band, &mut known);
+                    assert_eq!(kept, own.over(band, &mut BandParts::default()), "{steps} {band:?}");
+                }
+            }
+        }
+    }
+
     /// A band has the same light where only what it asks for is known.
     #[test]
     fn bands_ask_for_all_that_they_need() {
