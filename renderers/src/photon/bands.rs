@@ -6,7 +6,7 @@ use core::sync::atomic::{AtomicBool, Ordering};
 use std::collections::HashMap;
 use std::sync::{Mutex, OnceLock};
 
-use super::curves::Curves;
+use super::curves::{Curves, Source};
 use super::footprints::{Footprint, Footprints};
 use super::map::Region;
 use super::motion::Motion;
@@ -34,6 +34,7 @@ pub(super) struct Thrown {
     pub(super) spectra: Arc<Spectra>,
     /// What a flux is worth, for each product.
     brightness: Vec<f32>,
+    /// How far they count where they are in the map.
     pub(super) footprints: Footprints,
     /// How photons move with the wavelength, if that is known: those of the map, and of another the parts of their ways where these have no photon.
     moving: Option<Box<Moving>>,
@@ -45,7 +46,10 @@ struct Moving {
     motions: Vec<Motion>,
     others: PhotonMap,
     of_others: Vec<Motion>,
-    footprints: Footprints,
+    /// How far photons count along their ways: those of the map, and others.
+    footprints: [Footprints; 2],
+    /// For each photon of the map, in which third of all waves its own is.
+    thirds: Vec<u8>,
     /// The least number of steps in which their light is found.
     steps: u16,
 }
@@ -61,7 +65,7 @@ impl Thrown {
     /// cut into parts.
     pub(super) fn moving(
         (curves, usual): (&Curves, f32),
-        wavelength_of: impl Fn(u32) -> f64 + Sync,
+        (wavelength_of, limits): (impl Fn(u32) -> f64 + Sync, [f64; 2]),
         spectra: Arc<Spectra>,
         emission: &Emission<'_>,
     ) -> Self {
@@ -70,38 +74,60 @@ impl Thrown {
         let source = |origin: &u32| sources.get(*origin as usize).copied().unwrap_or_default();
         let longest = thrown.map.spacings().into_iter().map(|spacing| PARTS * spacing);
         let placed: Vec<_> = thrown.map.origins().iter().map(source).zip(longest).collect();
+        let limits = limits.map(|wavelength| curves.between(wavelength));
+        let third = |(source, _): &(Source, f32)| u8::from(source.at >= limits[0]) + u8::from(source.at >= limits[1]);
+        let thirds = placed.iter().map(third).collect();
         let mut rest = (Vec::new(), Vec::new());
         let motions = curves.moving(&placed, &mut rest);
         // Ends of ways without a photon of their own, at other keys than that.
         curves.others(&wavelength_of, PARTS * usual, &mut rest);
         let others = PhotonMap::new(rest.0);
         let of_others = others.origins().iter().filter_map(|origin| rest.1.get(*origin as usize).copied()).collect();
-        let (footprints, steps) = (Footprints::default(), curves.steps());
-        thrown.moving = Some(Box::new(Moving { motions, others, of_others, footprints, steps }));
+        let (footprints, steps) = (Default::default(), curves.steps());
+        thrown.moving = Some(Box::new(Moving { motions, others, of_others, footprints, thirds, steps }));
         thrown
     }
 
     /// The same, with how far photons count: for each leaf of the map. Parts of ways count as far as the photons do that are there; where there are
     /// none, as far as is said.
-    pub(super) fn spread(mut self, radii: Vec<Footprint>, alone: Footprint) -> Self {
-        let Self { map, moving, .. } = &mut self;
-        let motions = moving.as_ref().map(|moving| (moving.motions.as_slice(), moving.steps));
-        let footprints = Footprints::new(map, radii, motions);
-        if let Some(moving) = moving {
-            let radius = |numbers: core::ops::Range<usize>| {
-                let (_, photon) = moving.others.middle_of(numbers)?;
-                footprints.at(map, photon.surface, photon.position)
-            };
-            let radii = moving.others.leaves_photons().map(|numbers| radius(numbers).unwrap_or(alone)).collect();
-            moving.footprints = Footprints::new(&moving.others, radii, Some((&moving.of_others, moving.steps)));
-            (moving.motions, moving.of_others) = (Vec::new(), Vec::new());
-        }
-        Self { footprints, ..self }
+    pub(super) fn spread(self, radii: Vec<Footprint>, alone: Footprint) -> Self {
+        let Self { map, moving, .. } = &self;
+        let still = || Footprints::new(map, radii.clone(), None);
+        let Some(Moving { motions, others, of_others, steps, .. }) = moving.as_deref() else {
+            return Self { footprints: still(), ..self };
+        };
+        let (footprints, own) = rayon::join(still, || Footprints::new(map, radii.clone(), Some((motions, *steps))));
+        let radius = |numbers: core::ops::Range<usize>| {
+            let (_, photon) = others.middle_of(numbers)?;
+            footprints.at(map, photon.surface, photon.position)
+        };
+        let radii = others.leaves_photons().map(|numbers| radius(numbers).unwrap_or(alone)).collect();
+        let rest = Footprints::new(others, radii, Some((of_others, *steps)));
+        let known = |moving: Box<Moving>| {
+            Box::new(Moving { motions: Vec::new(), of_others: Vec::new(), footprints: [own, rest], ..*moving })
+        };
+        Self { footprints, moving: self.moving.map(known), ..self }
     }
 
     /// Whether it is known how photons move.
     pub(super) const fn is_moving(&self) -> bool {
         self.moving.is_some()
+    }
+
+    /// How light differs between the thirds of all waves: the standard deviation of theirs over its mean, from 0 to √2, for photons of the map by their
+    /// numbers and weights. What is there by chance, as there are few photons, is in it.
+    pub(super) fn unevenness(&self, photons: impl Iterator<Item = (u32, f32)>) -> f32 {
+        let Some(moving) = &self.moving else { return 0.0 };
+        let mut sums = [0.0; 3];
+        for (number, weight) in photons {
+            let number = number as usize;
+            if let (Some(photon), Some(third)) = (self.map.photons().get(number), moving.thirds.get(number)) {
+                sums[usize::from(*third)] += weight * self.worth(photon);
+            }
+        }
+        let mean: f32 = sums.iter().sum::<f32>() / 3.0;
+        let squares: f32 = sums.iter().map(|sum| (sum - mean) * (sum - mean)).sum();
+        if mean > 0.0 { (squares / 3.0).sqrt() / mean } else { 0.0 }
     }
 
     /// Calls with photons that may count in a region of a surface at some wavelength, of which some are in the order of the leaf, and how far they
@@ -113,7 +139,7 @@ impl Thrown {
         mut call: impl FnMut(&super::ways::Ways, &[Photon], Footprint),
     ) {
         let Some(moving) = &self.moving else { return };
-        for (map, footprints) in [(&self.map, &self.footprints), (&moving.others, &moving.footprints)] {
+        for (map, footprints) in [&self.map, &moving.others].into_iter().zip(&moving.footprints) {
             footprints.passing(map, surface, region, |ways, first, footprint| {
                 call(ways, map.photons().get(first as usize..).unwrap_or_default(), footprint);
             });
@@ -133,7 +159,8 @@ impl Thrown {
 impl Moving {
     fn bytes(&self) -> usize {
         let motions = size_of_val(self.motions.as_slice()) + size_of_val(self.of_others.as_slice());
-        motions + self.others.bytes() + self.footprints.bytes()
+        let footprints: usize = self.footprints.iter().map(Footprints::bytes).sum();
+        motions + self.others.bytes() + footprints + self.thirds.len()
     }
 }
 

@@ -185,7 +185,7 @@ pub(crate) struct Source {
     stretch: u32,
     number: u32,
     /// Where between the first and the last key it was placed.
-    at: f64,
+    pub(super) at: f64,
 }
 
 impl Tween {

@@ -146,6 +146,12 @@ impl Estimate {
         if self.standard_error > 0.0 { (1.0 + (self.bias / self.standard_error).powi(2)).sqrt() } else { 0.0 }
     }
 
+    /// What the error grows by if it has another part, in the unit of the estimate.
+    pub(super) fn error_with(&self, part: f64) -> f64 {
+        let squares = self.standard_error * self.standard_error + self.bias * self.bias;
+        if squares > 0.0 { (1.0 + part * part / squares).sqrt() } else { 1.0 }
+    }
+
     /// Adds a photon by its number, its weight, what its flux is worth and that flux, and how far it counts with which relative bias.
     pub(super) fn add(&mut self, photon: u32, weight: f32, (brightness, flux): (f32, f32), (radius, bias): (f32, f32)) {
         if !(weight > 0.0) {

@@ -12,7 +12,7 @@ use super::trace::{Landing, Limits, Prefix, Start, Surroundings, Walk};
 use super::{Photon, Scattered, Spectra};
 use crate::material::Material;
 use crate::scene::Scene;
-use crate::spectral::{Palette, Tabulated, Y_INTEGRAL};
+use crate::spectral::{Factor, Palette, Tabulated, Y_INTEGRAL};
 use crate::whitted::Whitted;
 
 /// Attempts, or paths thrown, that are one piece of work.
@@ -153,6 +153,11 @@ impl<'s> Emission<'s> {
             spectra.leaves(number).iter().map(mean).product::<f64>() as f32
         };
         (0..spectra.len()).map(product).collect()
+    }
+
+    /// The luminance of a spectrum, relative to that of a flat one of 1.
+    pub(super) fn luminance(&self, spectrum: Factor) -> f64 {
+        spectrum.scale * self.around().mean(spectrum)
     }
 
     /// About how many bytes it takes to emit so many photons and to keep them, while their parts are put together; more than there are for absurd counts.

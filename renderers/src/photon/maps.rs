@@ -20,8 +20,8 @@ use super::{
 use crate::geometry::{Hit, Ray};
 use crate::radiosity::Deposit;
 use crate::scene::Scene;
-use crate::spectral::Band;
-use crate::whitted::{Arrived, Arriving, Caustics, Dispersion, Whitted};
+use crate::spectral::{Band, Factor};
+use crate::whitted::{Arrived, Arriving, Caustics, Dispersion, How, Whitted};
 use spectral_core::interval::{FIRST_WAVELENGTH, LAST_WAVELENGTH};
 
 /// How photons that depend on the wavelength are thrown for a band.
@@ -98,6 +98,9 @@ const CHANGE: f64 = 0.02;
 
 /// How far, relative to the radius of an estimate, photons may be from where they are thought to be.
 const NEAR: f32 = 0.1;
+
+/// Light is taken to differ between the thirds of all waves by this part of itself at least.
+const EVEN: f64 = 0.1;
 
 impl<'s> Maps<'s> {
     /// Makes the maps that are certain to be asked for, of photons that were emitted.
@@ -244,7 +247,8 @@ impl<'s> Maps<'s> {
             |path: u32| if is_whole { self.waves.spread(band, path) } else { self.waves.of_path(band, path) };
         if let Some(Interpolated { curves, spectra, .. }) = &self.curves {
             if is_whole && self.waves.is_continuous() {
-                return Thrown::moving((curves, self.usual), wavelength_of, Arc::clone(spectra), self.emission);
+                let waves = (wavelength_of, self.waves.thirds(band));
+                return Thrown::moving((curves, self.usual), waves, Arc::clone(spectra), self.emission);
             }
             let photons = curves.photons(band.limits, wavelength_of);
             return Thrown::new(photons, Arc::clone(spectra), self.emission);
@@ -315,7 +319,7 @@ impl<'s> Maps<'s> {
         }
     }
 
-    /// Finds a share of the light that reaches a hit by photons that don't move.
+    /// Finds a share of the light that reaches a hit by photons, each of them where it landed at a wavelength of its own.
     fn find(&self, (thrown, share): (&Thrown, f64), hit: &Hit, least: f32, found: &mut Arrived) -> Arc<Spectra> {
         let Thrown { map, spectra, footprints, .. } = thrown;
         let worth = |photon: &Photon| thrown.worth(photon);
@@ -449,12 +453,31 @@ impl Caustics for Maps<'_> {
         spectra.unwrap_or_else(|| Arc::clone(&self.even.spectra))
     }
 
+    fn luminance(&self, spectrum: Factor) -> f64 {
+        self.emission.luminance(spectrum)
+    }
+
     fn is_by_bands(&self) -> bool {
         self.whole.as_ref().and_then(|slot| slot.thrown.get()).is_some_and(|thrown| !thrown.is_moving())
     }
 
-    fn dispersed(&self, hit: &Hit, (least, alike): (f32, bool), band: Option<Band>, found: &mut Arrived) -> Dispersion {
+    fn dispersed(&self, hit: &Hit, how: How, band: Option<Band>, found: &mut Arrived) -> Dispersion {
+        let How { least, alike, slight } = how;
         let Some(thrown) = self.whole.as_ref().and_then(|slot| slot.thrown.get()) else { return Dispersion::None };
+        if thrown.is_moving() && slight > 0.0 {
+            found.list.clear();
+            let spectra = self.find((thrown, 1.0), hit, least, found);
+            let Arrived { list, scratch, .. } = found;
+            if scratch.value * EVEN <= slight {
+                let uneven = scratch.value * f64::from(thrown.unevenness(scratch.photons()));
+                if uneven <= slight {
+                    // It is an error of the photons' like the others.
+                    let more = scratch.error_with(uneven);
+                    list.iter_mut().for_each(|arriving| arriving.error *= more);
+                    return Dispersion::Slight(spectra);
+                }
+            }
+        }
         let place = self.place(hit);
         let mut region = region_of(&place, least);
         if thrown.is_moving() {

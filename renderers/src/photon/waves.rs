@@ -70,6 +70,11 @@ impl Waves {
         self.at(band, (f64::from(path) * GOLDEN).fract())
     }
 
+    /// The wavelengths in nm that part a band into thirds.
+    pub(crate) fn thirds(&self, band: Band) -> [f64; 2] {
+        [1.0 / 3.0, 2.0 / 3.0].map(|share| self.at(band, share))
+    }
+
     /// The share of a band's sensitivity that is below a wavelength in nm.
     pub(crate) fn share(&self, band: Band, wavelength: f64) -> f64 {
         let [from, to] = band.limits;

@@ -116,6 +116,10 @@ impl Indirect for Field<'_> {
         self.solution.width()
     }
 
+    fn luminance(&self, row: &[f64]) -> f64 {
+        self.solution.representation().colour(&[], row).value[1]
+    }
+
     fn irradiance(&self, hit: &Hit, row: &mut [f64]) {
         let position = hit.position.as_dvec3();
         let patches = &self.solution.radiosity.patches;

@@ -216,6 +216,10 @@ impl Indirect for Field<'_, '_> {
         self.gatherer.row_width()
     }
 
+    fn luminance(&self, row: &[f64]) -> f64 {
+        self.gatherer.luminance(row)
+    }
+
     fn irradiance(&self, hit: &Hit, row: &mut [f64]) {
         if self.mosaic.interpolate(hit, row) {
             return;

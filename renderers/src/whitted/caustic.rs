@@ -18,6 +18,10 @@ use crate::material::{Glossy, Lobe, Material};
 use crate::photon::{Estimate, Passed, Spectra};
 use crate::spectral::{Band, Deferred, Factor, Monomial, Radiance, measure};
 
+/// Light whose way depends on the wavelength may be taken as white, as far as what of it is not is no more than this part of all other light that a surface
+/// has, for each ΔE*ab that is tolerated: X alone off by a hundredth is 1.7 ΔE*ab, Y alone 0.4 in lightness, Z alone 0.7; what is measured is in `MEASURED.md`.
+const SLIGHT: f64 = 0.01;
+
 /// Light that reaches surfaces by way of mirrors and glass: paths L S⁺ D.
 pub(crate) trait Caustics: Sync {
     /// Finds the light that reaches a place on a surface: on the side that was hit, by ways that are the same for all waves if no band is asked
@@ -28,9 +32,24 @@ pub(crate) trait Caustics: Sync {
     /// Whether light whose ways depend on the wavelength must be asked for by bands, wherever there is any.
     fn is_by_bands(&self) -> bool;
 
-    /// Finds the light that reaches a place by ways that depend on the wavelength: at all wavelengths, or at those that it takes for a band, and
-    /// whether its directions matter or are all alike. What was found of such light before is forgotten.
-    fn dispersed(&self, hit: &Hit, how: (f32, bool), band: Option<Band>, found: &mut Arrived) -> Dispersion;
+    /// Finds the light that reaches a place by ways that depend on the wavelength: at all wavelengths, or at those that it takes for a band. What was
+    /// found of such light before is forgotten.
+    fn dispersed(&self, hit: &Hit, how: How, band: Option<Band>, found: &mut Arrived) -> Dispersion;
+
+    /// The luminance of a spectrum, relative to that of a flat one of 1.
+    fn luminance(&self, spectrum: Factor) -> f64;
+}
+
+/// How light whose way depends on the wavelength is looked for.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct How {
+    /// Light within this distance of the place counts alike, in scene units.
+    pub(crate) least: f32,
+    /// Whether light from all directions counts alike.
+    pub(crate) alike: bool,
+    /// Its mean over all waves does for each of them where the standard deviation between their thirds is no more than this illuminance, relative to that of
+    /// a flat spectrum of 1.
+    pub(crate) slight: f64,
 }
 
 /// What is known of light whose way to a place depends on the wavelength.
@@ -39,6 +58,9 @@ pub(crate) enum Dispersion {
     None,
     /// How it changes, and the products of spectra that it refers to.
     Known(Arc<Spectra>),
+    /// That it is slight: its mean over all waves was found, as light that is the same for all of them is, and refers to these products of spectra. How uneven
+    /// it is, is among its errors.
+    Slight(Arc<Spectra>),
     /// That it must be asked for by bands.
     ByBands,
 }
@@ -304,8 +326,14 @@ impl<'s> Worker<'s> {
         let noise = self.noise_share(path.band);
         self.arriving(hit, direction, (path, noise), None, radiance);
         let alike = matches!(self.scene.material(hit), Some(Material::Diffuse(_)));
-        let spectra = match caustics.dispersed(hit, (self.least(path), alike), path.band, &mut self.arriving) {
+        let slight = if alike { SLIGHT * self.tolerance * self.illuminance } else { 0.0 };
+        let how = How { least: self.least(path), alike, slight };
+        let spectra = match caustics.dispersed(hit, how, path.band, &mut self.arriving) {
             Dispersion::None => return Some(None),
+            Dispersion::Slight(spectra) => {
+                self.reflect_found(hit, direction, (path, noise), &spectra, radiance);
+                return Some(None);
+            }
             Dispersion::Known(spectra) => spectra,
             Dispersion::ByBands => return None,
         };
@@ -402,11 +430,23 @@ impl<'s> Worker<'s> {
         radiance: &mut Radiance,
     ) {
         let Some(caustics) = self.caustics else { return };
-        let mut found = core::mem::take(&mut self.arriving);
-        found.list.clear();
-        let spectra = caustics.arriving(hit, self.least(path), band, &mut found);
+        self.arriving.list.clear();
+        let spectra = caustics.arriving(hit, self.least(path), band, &mut self.arriving);
+        self.reflect_found(hit, direction, (path, noise), &spectra, radiance);
+    }
+
+    /// Adds what a surface reflects of the light that was found there.
+    fn reflect_found(
+        &mut self,
+        hit: &Hit,
+        direction: DVec3,
+        (path, noise): (Path, f64),
+        spectra: &Spectra,
+        radiance: &mut Radiance,
+    ) {
+        let found = core::mem::take(&mut self.arriving);
         if let (false, Some(response)) = (found.list.is_empty(), self.response(hit, direction)) {
-            self.reflected((&found.list, &spectra), &response, (path, noise), radiance);
+            self.reflected((&found.list, spectra), &response, (path, noise), radiance);
         }
         self.arriving = found;
     }
@@ -488,7 +528,11 @@ mod tests {
     use spectral_core::Observer;
 
     use super::{BandParts, Curve, between, nodes_of, wavelength_at};
-    use crate::spectral::{Band, Monomial, measure};
+    use crate::geometry::sampling::SobolSequence;
+    use crate::photon::{Bundle, Density, Emission, Maps, Rethrow, Settings};
+    use crate::scene::builtin;
+    use crate::spectral::{Band, FactorOrder, Monomial, Palette, Radiance, Tracer, measure};
+    use crate::whitted::{Later, Whitted, Worker};
 
     /// A curve through the light at nodes, of which there is one more than steps.
     fn curve(steps: u16, light: impl Fn(f64) -> f64) -> Curve {
@@ -567,6 +611,54 @@ mod tests {
                     }
                 }
             }
+        }
+    }
+
+    /// Light that hardly counts is white, the more of it the more is tolerated: what is seen in blue and in red differs by as little.
+    #[test]
+    fn slight_light_is_taken_as_white() {
+        const SIDE: u16 = 24;
+        let scene = builtin::load("cornell-box-spheres", &[]).unwrap();
+        let mut palette = Palette::default();
+        let whitted = Whitted::new(&scene, [u32::from(SIDE); 2], &mut palette).unwrap();
+        let emission = Emission::new(&scene, &whitted, &palette, Settings::default());
+        let how = (Bundle::Continuous, Rethrow::Interpolated);
+        let emitted = emission.emit(100_000, 0, &|_| {});
+        let maps = Maps::new((&scene, &whitted), &emission, emitted, (Density::default(), 1.0), how);
+        let bands = [[380.0, 480.0], [600.0, 780.0]];
+        let seen = |delta_e: f64| {
+            let mut worker = Worker::new(&whitted, FactorOrder::Free).with_caustics(&maps).with_tolerance(delta_e);
+            let (mut curves, mut all) = (0, Vec::new());
+            for pixel in 0..SIDE * SIDE {
+                let [x, y] = [pixel % SIDE, pixel / SIDE].map(|place| f64::from(place) + 0.5);
+                let mut light = Radiance::default();
+                worker.start_pixel(SobolSequence::new(0));
+                worker.sample(x, y, 1.0, &mut light);
+                let own = worker.deferred.iter().filter(|later| matches!(later, Later::Curve(_))).count();
+                curves += own;
+                let even: f64 = light.terms().iter().map(|(_, weight)| weight).sum();
+                all.extend(bands.map(|limits| {
+                    let band = Band { wavelength: f64::midpoint(limits[0], limits[1]), limits };
+                    let of = |(deferred, _, weight): &(_, _, f64)| {
+                        weight * worker.trace(*deferred, band).terms().iter().map(|(_, own)| own).sum::<f64>()
+                    };
+                    even + light.deferred().iter().map(of).sum::<f64>()
+                }));
+            }
+            (curves, all)
+        };
+        let (most, exact) = seen(0.0);
+        let mut before = most;
+        for delta_e in [0.1, 1.0] {
+            let (curves, light) = seen(delta_e);
+            let off = exact.iter().zip(&light).map(|(a, b)| (a - b).abs() / a.max(1e-300));
+            let (sum, worst) = off.fold((0.0, 0.0), |(sum, most), x| (sum + x, f64::max(most, x)));
+            let mean = sum / (2.0 * f64::from(SIDE) * f64::from(SIDE));
+            assert!(
+                2 * curves < before && mean <= 1e-3 * delta_e && worst <= 0.03 * delta_e,
+                "{delta_e}: {curves} of {most}, {mean} {worst}"
+            );
+            before = curves;
         }
     }
 }

@@ -13,7 +13,8 @@
 //!
 //! Approximations: light that reaches a diffuse surface by way of mirrors or glass (caustics) is not found, unless a worker is given photons;
 //! light between diffuse surfaces is the scene's ambient term, unless it is given [`Indirect`] light in its place. Behind glass with dispersion, what
-//! a flat diffuse surface reflects may be taken from a place within a part of a pixel's width, the more of it the more colours may be off. Paths end after [`max_depth`](Settings::max_depth) reflections and refractions, or when the light that
+//! a flat diffuse surface reflects may be taken from a place within a part of a pixel's width, and light that dispersion has spread as white where other light
+//! outshines it, both the more, the more colours may be off. Paths end after [`max_depth`](Settings::max_depth) reflections and refractions, or when the light that
 //! comes back can count for less than 10⁻⁴ before the reflectances of mirrors.
 
 mod build;
@@ -26,7 +27,7 @@ mod refraction;
 mod schlick;
 
 pub(crate) use build::camera;
-pub(crate) use caustic::{Arrived, Arriving, Caustics, Dispersion, nodes_of};
+pub(crate) use caustic::{Arrived, Arriving, Caustics, Dispersion, How, nodes_of};
 
 use alloc::sync::Arc;
 
@@ -150,6 +151,9 @@ pub trait Indirect: Sync {
     /// Writes the irradiance on a surface, on the side that was hit: a row of some spectral representation, in the unit of
     /// the lights' radiance times sr.
     fn irradiance(&self, hit: &Hit, row: &mut [f64]);
+
+    /// The luminance of a row, relative to that of a flat spectrum of 1.
+    fn luminance(&self, row: &[f64]) -> f64;
 }
 
 /// What a worker does about light between surfaces.
@@ -185,11 +189,14 @@ pub struct Worker<'s> {
     noise_counted: Option<f64>,
     /// Deferred light with the light between surfaces that it has.
     prepared: Vec<(usize, Radiance)>,
-    /// Whether deferred light is followed for the first time: light between surfaces is wanted then.
+    /// Whether deferred light is followed for the first time: light between surfaces is wanted then; and whether nothing else is.
+    is_gathering: bool,
     is_preparing: bool,
     /// Light that was found for all waves where paths that depend on them came to, and the ΔE*ab that it may cost to take it for others.
     places: Vec<Arc<Place>>,
     tolerance: f64,
+    /// The illuminance that was found where a surface last reflected diffusely, by lights and other surfaces, relative to that of a flat spectrum of 1.
+    illuminance: f64,
     known: KnownCells,
     scratch: Scratch,
     points: SobolSequence,
@@ -251,9 +258,11 @@ impl<'s> Worker<'s> {
             noise: Radiance::default(),
             noise_counted: None,
             prepared: Vec::new(),
+            is_gathering: false,
             is_preparing: false,
             places: Vec::new(),
             tolerance: 0.0,
+            illuminance: 0.0,
             known: KnownCells::default(),
             scratch: Scratch::default(),
             points: SobolSequence::new(0),
@@ -270,8 +279,9 @@ impl<'s> Worker<'s> {
     }
 
     /// The same, where light that is seen by paths for some waves may be taken from places nearby: as near as it takes for about this ΔE*ab where light
-    /// changes by a few per cent within a pixel; at edges it may cost more, and errors that are estimated don't know of it. Whoever tolerates that
-    /// asks for narrower bands after the whole.
+    /// changes by a few per cent within a pixel; at edges it may cost more, and errors that are estimated don't know of it. Light of photons that part by their
+    /// wavelengths may be taken as white where that costs about as much at most: it is among their errors. Whoever tolerates that asks for narrower bands
+    /// after the whole.
     #[must_use]
     pub(crate) const fn with_tolerance(mut self, delta_e: f64) -> Self {
         self.tolerance = delta_e;
@@ -457,17 +467,21 @@ impl<'s> Worker<'s> {
             Between::Ambient => {
                 for ambient in &scene.ambient {
                     self.add(reflected, *ambient, radiance);
+                    self.illuminance += core::f64::consts::PI * self.luminance(*ambient);
                 }
             }
             Between::Noted(hits) => hits.push(*hit),
             Between::Asked(indirect) => {
                 // What is between surfaces is gathered along one path for all waves.
-                if reflected.weight == 0.0 || (reflected.band.is_some() && !self.is_preparing) {
+                if reflected.weight == 0.0 || (reflected.band.is_some() && !self.is_gathering) {
                     return;
                 }
                 let (start, width) = (self.rows.len(), indirect.width());
                 self.rows.resize(start + width, 0.0);
                 indirect.irradiance(hit, &mut self.rows[start..]);
+                if self.caustics.is_some() {
+                    self.illuminance += indirect.luminance(&self.rows[start..]);
+                }
                 let number = u32::try_from(start / width.max(1)).unwrap_or(u32::MAX);
                 radiance.gather(Gathered(number), reflected.monomial, reflected.weight / core::f64::consts::PI);
             }
@@ -479,13 +493,20 @@ impl<'s> Worker<'s> {
         let scene = self.scene;
         let reflected = self.times(path, reflectance);
         let receiver = receiver(hit);
+        self.illuminance = 0.0;
         for (number, light) in scene.lights.iter().enumerate() {
             let mut irradiance = 0.0;
             self.illuminate(number, &receiver, 0, |part| irradiance += part.irradiance);
+            self.illuminance += irradiance * self.luminance(light.factor());
             let lit = Path { weight: reflected.weight * irradiance / core::f64::consts::PI, ..reflected };
             self.add(lit, light.factor(), radiance);
         }
         self.indirect(hit, reflected, radiance);
+    }
+
+    /// The luminance of a spectrum, relative to that of a flat one of 1, where light by way of mirrors and glass is compared with others; 0 if there is none.
+    fn luminance(&self, spectrum: Factor) -> f64 {
+        self.caustics.map_or(0.0, |caustics| caustics.luminance(spectrum))
     }
 
     /// Mirror reflection: the light is gathered once, then multiplied by each factor times its share.

@@ -3,6 +3,7 @@
 mod beams;
 mod optics;
 mod paths;
+mod slight;
 
 use glam::DVec3;
 
