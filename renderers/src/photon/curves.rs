@@ -30,7 +30,8 @@ pub(crate) struct Curves {
 struct Stretch {
     /// In nm.
     limits: [f64; 2],
-    photons: Vec<Tween>,
+    /// In pieces, of as many paths as they were thrown in.
+    photons: Vec<Vec<Tween>>,
 }
 
 /// One photon at the ends of a stretch.
@@ -48,11 +49,12 @@ enum Ends {
 }
 
 impl Curves {
-    /// Photons thrown at increasing wavelengths in nm, each list in the order of paths and their branches.
-    pub(crate) fn new(keys: &[(f64, Vec<Scattered>)]) -> Self {
-        let stretch = |pair: &[(f64, Vec<Scattered>)]| Stretch {
-            limits: [pair[0].0, pair[1].0],
-            photons: tweens(&pair[0].1, &pair[1].1),
+    /// Photons thrown at increasing wavelengths in nm, in pieces of the same paths at all of them; each in the order of paths and their branches.
+    pub(crate) fn new(keys: &[(f64, Vec<Vec<Scattered>>)]) -> Self {
+        let stretch = |pair: &[(f64, Vec<Vec<Scattered>>)]| {
+            let ((first, from), (last, to)) = (&pair[0], &pair[1]);
+            let photons = from.par_iter().zip(to).map(|(from, to)| tweens(from, to)).collect();
+            Stretch { limits: [*first, *last], photons }
         };
         Self { stretches: keys.windows(2).map(stretch).collect() }
     }
@@ -72,7 +74,7 @@ impl Curves {
             if to < first || from >= end {
                 continue;
             }
-            for tween in &stretch.photons {
+            for tween in stretch.photons.iter().flatten() {
                 let wavelength = wavelength_of(tween.path);
                 if (first..end).contains(&wavelength) {
                     photons.extend(tween.ends.at(stretch.between(wavelength)));
@@ -87,11 +89,15 @@ impl Curves {
         let mut placed = (Vec::new(), Vec::new());
         for (stretch, Stretch { photons, .. }) in (0..).zip(&self.stretches) {
             let limits = self.limits_of(stretch);
-            placed.par_extend(photons.par_iter().enumerate().with_min_len(TOGETHER).filter_map(|(number, tween)| {
+            let place = |piece: u32, number: u32, tween: &Tween| {
                 let at = self.between(wavelength_of(tween.path));
-                let number = u32::try_from(number).ok()?;
-                tween.holds(limits, at).then(|| (tween.photon(limits, at), Source { stretch, number, at }))
-            }));
+                tween.holds(limits, at).then(|| (tween.photon(limits, at), Source { stretch, piece, number, at }))
+            };
+            let pieces = photons.par_iter().enumerate().flat_map_iter(|(piece, tweens)| {
+                let piece = u32::try_from(piece).unwrap_or(u32::MAX);
+                (0..).zip(tweens).filter_map(move |(number, tween)| place(piece, number, tween))
+            });
+            placed.par_extend(pieces);
         }
         placed
     }
@@ -119,7 +125,9 @@ impl Curves {
     /// How a photon moves about where it was placed, and the rest of its way.
     fn parts(&self, from: Source, longest: f32, rest: &mut (Vec<Photon>, Vec<Motion>)) -> Motion {
         let limits = self.limits_of(from.stretch);
-        let tween = self.stretches.get(from.stretch as usize).and_then(|s| s.photons.get(from.number as usize));
+        let stretch = self.stretches.get(from.stretch as usize);
+        let piece = stretch.and_then(|stretch| stretch.photons.get(from.piece as usize));
+        let tween = piece.and_then(|piece| piece.get(from.number as usize));
         let mut own = Motion::default();
         tween.into_iter().for_each(|tween| {
             tween.parts(limits, longest, |[start, end], motion| {
@@ -142,7 +150,7 @@ impl Curves {
     ) {
         for (number, stretch) in (0..).zip(&self.stretches) {
             let limits = self.limits_of(number);
-            for tween in &stretch.photons {
+            for tween in stretch.photons.iter().flatten() {
                 let holds_all = self.stretches.len() == 1 && matches!(tween.ends, Ends::Both(_));
                 if !holds_all && !tween.holds(limits, self.between(wavelength_of(tween.path))) {
                     tween.parts(limits, longest, |part, motion| tween.add(part, limits, motion, rest));
@@ -175,7 +183,8 @@ impl Curves {
 
     /// Bytes.
     pub(crate) fn bytes(&self) -> usize {
-        self.stretches.iter().map(|s| s.photons.capacity() * size_of::<Tween>()).sum()
+        let pieces = self.stretches.iter().flat_map(|stretch| &stretch.photons);
+        pieces.map(|tweens| tweens.capacity() * size_of::<Tween>()).sum()
     }
 }
 
@@ -183,6 +192,7 @@ impl Curves {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Source {
     stretch: u32,
+    piece: u32,
     number: u32,
     /// Where between the first and the last key it was placed.
     pub(super) at: f64,
@@ -471,6 +481,12 @@ mod tests {
         (0..100).map(photon).collect()
     }
 
+    /// Pieces of the same paths, whatever was thrown.
+    fn in_pieces(thrown: Vec<Scattered>) -> Vec<Vec<Scattered>> {
+        let piece = |first: u32| thrown.iter().filter(|s| (first..first + 30).contains(&s.path)).copied().collect();
+        [0, 30, 60, 90].map(piece).into()
+    }
+
     fn cauchy(wavelength: f64) -> f64 {
         1e5 / (wavelength * wavelength)
     }
@@ -480,7 +496,7 @@ mod tests {
         let throw = |wavelength: f64| thrown(wavelength, cauchy);
         // One path of a hundred that goes elsewhere is within what is allowed.
         assert_eq!(keys([400.0, 700.0], 1e-4, &throw), [400.0, 700.0]);
-        let curves = Curves::new(&[(400.0, throw(400.0)), (700.0, throw(700.0))]);
+        let curves = Curves::new(&[400.0, 700.0].map(|w| (w, vec![throw(w)])));
         for wavelength in [400.0, 450.0, 555.0, 699.0] {
             let photons = curves.photons([wavelength; 2], |_| wavelength);
             assert_eq!(photons.len(), 100);
@@ -500,7 +516,7 @@ mod tests {
         let throw = |wavelength: f64| thrown(wavelength, bent);
         let found = keys([400.0, 700.0], 0.05, &throw);
         assert!((5..17).contains(&found.len()) && found.windows(2).all(|pair| pair[0] < pair[1]), "{found:?}");
-        let keyed: Vec<_> = found.iter().map(|w| (*w, throw(*w))).collect();
+        let keyed: Vec<_> = found.iter().map(|w| (*w, vec![throw(*w)])).collect();
         let curves = Curves::new(&keyed);
         let steps = f64::from(curves.steps());
         assert!(found.iter().all(|key| {
@@ -521,7 +537,7 @@ mod tests {
         let throw = |wavelength: f64| thrown(wavelength, |_| 0.0);
         let own = |_: u32| 450.0;
         for keys in [&[400.0, 700.0][..], &[400.0, 480.0, 700.0]] {
-            let curves = Curves::new(&keys.iter().map(|w| (*w, throw(*w))).collect::<Vec<_>>());
+            let curves = Curves::new(&keys.iter().map(|w| (*w, in_pieces(throw(*w)))).collect::<Vec<_>>());
             let (photons, sources) = curves.placed(own);
             let mut rest = (Vec::new(), Vec::new());
             let sources: Vec<_> = sources.into_iter().map(|source| (source, 0.0)).collect();
@@ -545,7 +561,7 @@ mod tests {
         let few = &[400.0, 700.0][..];
         let many = &[400.0, 480.0, 600.0, 700.0][..];
         for (keys, own) in [(few, spread), (many, spread), (many, |_: u32| 480.0)] {
-            let curves = Curves::new(&keys.iter().map(|w| (*w, throw(*w))).collect::<Vec<_>>());
+            let curves = Curves::new(&keys.iter().map(|w| (*w, in_pieces(throw(*w)))).collect::<Vec<_>>());
             for longest in [f32::INFINITY, 0.3, 0.01] {
                 let (mut photons, sources) = curves.placed(own);
                 assert_eq!((photons.len(), sources.len()), (100, 100));
@@ -585,7 +601,7 @@ mod tests {
     #[test]
     fn each_path_is_there_once() {
         let throw = |wavelength: f64| thrown(wavelength, cauchy);
-        let keyed: Vec<_> = [400.0, 480.0, 600.0, 700.0].map(|w| (w, throw(w))).into();
+        let keyed: Vec<_> = [400.0, 480.0, 600.0, 700.0].map(|w| (w, in_pieces(throw(w)))).into();
         let curves = Curves::new(&keyed);
         let own = |path: u32| 390.0 + 320.0 * f64::from(path) / 99.0;
         let mut places: Vec<_> = curves.photons([390.0, 710.0], own).iter().map(|p| p.position[0]).collect();

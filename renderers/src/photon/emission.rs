@@ -8,7 +8,7 @@ use super::beam::{Attempt, Beam};
 use super::points::Points;
 use super::products::Products;
 use super::target::Target;
-use super::trace::{Landing, Limits, Prefix, Start, Surroundings, Walk};
+use super::trace::{Limits, Prefix, Start, Surroundings, Walk};
 use super::{Photon, Scattered, Spectra};
 use crate::material::Material;
 use crate::scene::Scene;
@@ -56,8 +56,16 @@ pub(crate) struct Emitted {
 /// Photons thrown again, and what became of the rest.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Thrown {
-    pub(crate) photons: Vec<Scattered>,
+    /// Photons of as many paths each, whatever the wavelength.
+    pub(crate) pieces: Vec<Vec<Scattered>>,
     pub(crate) account: Account,
+}
+
+impl Thrown {
+    /// All photons, in order.
+    pub(crate) fn photons(&self) -> Vec<Scattered> {
+        self.pieces.concat()
+    }
 }
 
 /// All beams of a scene.
@@ -272,17 +280,16 @@ impl<'s> Emission<'s> {
             })
             .collect();
         let mut thrown = Thrown::default();
-        thrown.photons.reserve_exact(walks.iter().map(|walk| walk.landed.len()).sum());
-        for walk in walks {
-            let numbers = walk.products.into_spectra(spectra);
+        let number = |walk: Walk<'_, Scattered>| {
             thrown.account.add(&walk.account);
-            for mut landed in walk.landed {
-                let photon = landed.photon();
-                photon.spectrum = numbers.number(photon.spectrum);
-                thrown.photons.push(landed);
-            }
-        }
-        thrown
+            (walk.products.into_spectra(spectra), walk.landed)
+        };
+        let numbered: Vec<_> = walks.into_iter().map(number).collect();
+        let landed = numbered.into_par_iter().map(|(numbers, mut landed)| {
+            landed.iter_mut().for_each(|s| s.photon.spectrum = numbers.number(s.photon.spectrum));
+            landed
+        });
+        Thrown { pieces: landed.collect(), ..thrown }
     }
 }
 

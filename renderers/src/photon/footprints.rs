@@ -99,14 +99,12 @@ impl Footprints {
     /// Those of the photons of a map, with the radii of its leaves, and how photons move, in the map's order, with the least number of steps in which
     /// their light is found.
     pub(super) fn new(map: &PhotonMap, radii: Vec<Footprint>, moving: Option<(&[Motion], u16)>) -> Self {
-        let mut ways = Vec::with_capacity(if moving.is_some() { radii.len() } else { 0 });
-        let mut boxes = Vec::with_capacity(radii.len());
-        for (numbers, footprint) in map.leaves_photons().zip(&radii) {
+        let known = |(numbers, footprint): (Range<usize>, &Footprint)| {
             let photons = map.photons().get(numbers.clone()).unwrap_or_default();
-            let mut around = Box3::EMPTY;
+            let (mut around, mut own) = (Box3::EMPTY, None);
             if let Some((motions, least)) = moving {
                 let motions = motions.get(numbers).unwrap_or_default();
-                ways.push(Ways::new(photons, motions, footprint.radius, least));
+                own = Some(Ways::new(photons, motions, footprint.radius, least));
                 for (photon, motion) in photons.iter().zip(motions) {
                     let (middle, half) = motion.middle(photon);
                     around = around.with(Box3::around(middle, half));
@@ -115,8 +113,12 @@ impl Footprints {
                 let point = |photon: &Photon| Box3::around(photon.position, [0.0; 3]);
                 around = photons.iter().map(point).fold(around, Box3::with);
             }
-            boxes.push(if footprint.radius > 0.0 { around.wider(footprint.radius) } else { Box3::EMPTY });
-        }
+            (if footprint.radius > 0.0 { around.wider(footprint.radius) } else { Box3::EMPTY }, own)
+        };
+        let leaves: Vec<_> = map.leaves_photons().zip(&radii).collect();
+        let leaves = leaves.into_par_iter().with_min_len(LEAVES).map(known);
+        let (boxes, ways): (Vec<Box3>, Vec<Option<Ways>>) = leaves.unzip();
+        let ways = ways.into_iter().flatten().collect();
         let mut footprints = Self { nodes: vec![[Box3::EMPTY; 2]; radii.len()], radii, ways };
         for tree in map.trees() {
             footprints.fill(&boxes, tree.leaves.start, tree.leaves.end);

@@ -123,11 +123,6 @@ impl<'s> Gatherer<'s> {
         self.representation.width()
     }
 
-    /// The luminance of a row, relative to that of a flat spectrum of 1.
-    pub(crate) fn luminance(&self, row: &[f64]) -> f64 {
-        self.representation.colour(&[], row).value[1]
-    }
-
     /// At how many places radiosity is known.
     pub(crate) fn places(&self) -> usize {
         self.places.len()

@@ -158,7 +158,7 @@ impl<'s> Maps<'s> {
     fn tried(&self, paths: usize, wavelength: f64) -> Vec<Scattered> {
         let stride = self.prefixes.len().div_ceil(paths).max(1);
         let some: Vec<Prefix> = self.prefixes.iter().step_by(stride).copied().collect();
-        self.emission.throw(&some, |_| wavelength, &mut (*self.even.spectra).clone()).photons
+        self.emission.throw(&some, |_| wavelength, &mut (*self.even.spectra).clone()).photons()
     }
 
     /// How far nine of ten photons move at most for each nm.
@@ -210,10 +210,8 @@ impl<'s> Maps<'s> {
     fn interpolated(&self, near: f32) -> Interpolated {
         let mut spectra = (*self.even.spectra).clone();
         let keys = curves::keys([FIRST_WAVELENGTH, LAST_WAVELENGTH], near, &|wavelength| self.tried(TRIED, wavelength));
-        let mut thrown = |wavelength: &f64| {
-            let photons = self.emission.throw(&self.prefixes, |_| *wavelength, &mut spectra).photons;
-            (*wavelength, photons)
-        };
+        let mut thrown =
+            |wavelength: &f64| (*wavelength, self.emission.throw(&self.prefixes, |_| *wavelength, &mut spectra).pieces);
         let curves = Curves::new(&keys.iter().map(&mut thrown).collect::<Vec<_>>());
         Interpolated { keys, curves, spectra: Arc::new(spectra) }
     }
@@ -258,7 +256,7 @@ impl<'s> Maps<'s> {
         let mut spectra = Spectra::clone(&whole.unwrap_or(&self.even).spectra);
         #[allow(clippy::cast_possible_truncation, reason = "paths have numbers of 32 bits")]
         let thrown = self.emission.throw(&self.prefixes, |path| wavelength_of(path as u32), &mut spectra);
-        let photons: Vec<Photon> = thrown.photons.into_iter().map(|s| s.photon).collect();
+        let photons: Vec<Photon> = thrown.pieces.iter().flatten().map(|s| s.photon).collect();
         Thrown::new(photons, Arc::new(spectra), self.emission)
     }
 
@@ -455,6 +453,10 @@ impl Caustics for Maps<'_> {
 
     fn luminance(&self, spectrum: Factor) -> f64 {
         self.emission.luminance(spectrum)
+    }
+
+    fn is_dispersed(&self) -> bool {
+        self.whole.is_some()
     }
 
     fn is_by_bands(&self) -> bool {

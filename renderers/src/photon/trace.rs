@@ -100,26 +100,17 @@ impl Prefix {
 /// What is kept of a photon that met a surface.
 pub(super) trait Landing {
     fn new(photon: Photon, path: u32, branch: u32) -> Self;
-    fn photon(&mut self) -> &mut Photon;
 }
 
 impl Landing for Photon {
     fn new(photon: Photon, _: u32, _: u32) -> Self {
         photon
     }
-
-    fn photon(&mut self) -> &mut Photon {
-        self
-    }
 }
 
 impl Landing for Scattered {
     fn new(photon: Photon, path: u32, branch: u32) -> Self {
         Self { photon, path, branch }
-    }
-
-    fn photon(&mut self) -> &mut Photon {
-        &mut self.photon
     }
 }
 

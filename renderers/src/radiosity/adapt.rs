@@ -407,10 +407,10 @@ mod tests {
 
     use spectral_core::tables::{UniformTable, colorchecker, fluorescent, illuminants};
 
-    use super::{PACE, Pace};
+    use super::{Mode, PACE, Pace};
     use crate::radiosity::{Others, Radiosity, Report, Settings};
     use crate::scene::{Scene, Source, builtin, load};
-    use crate::spectral::{IntervalSettings, Palette};
+    use crate::spectral::{Components, IntervalSettings, Palette, UniformBins};
 
     /// From nothing, whatever the worst patch needs most, one at a time.
     const GREEDY: Pace = Pace { start: f64::INFINITY, share: 0.0 };
@@ -505,5 +505,31 @@ mod tests {
         assert!(without.0 < with.0, "{} {}", without.0, with.0);
         assert!(without.1.iter().flatten().any(|v| *v > 0.0));
         assert_eq!(without.1, with.1);
+    }
+
+    /// What each number of a row is worth in luminance makes up that of its colour, in all representations.
+    #[test]
+    fn luminances_of_numbers_add_up() {
+        let scene = builtin::load("cornell-box", &[]).unwrap();
+        let mut palette = Palette::default();
+        let radiosity = Radiosity::new(&scene, &Settings::default(), &mut palette, &|_| {}).unwrap();
+        let bins = UniformBins::new(&palette, 12).unwrap();
+        let components = Components::naive(&palette).unwrap();
+        let modes = [Mode::Paper, Mode::Corrected, Mode::Certified];
+        let by_mode = |mode| {
+            radiosity.solve_intervals(&palette, &IntervalSettings { mode, ..IntervalSettings::default() }).unwrap()
+        };
+        let others = [radiosity.solve(&bins).unwrap(), radiosity.solve(&components).unwrap()];
+        for solution in modes.map(by_mode).iter().chain(&others) {
+            let (representation, mut lit) = (solution.representation(), 0);
+            let luminances = representation.luminances();
+            for row in solution.nodes.chunks(solution.width) {
+                let sum: f64 = luminances.iter().zip(row).map(|(each, number)| each * number).sum();
+                let luminance = representation.colour(&[], row).value[1];
+                assert!((sum - luminance).abs() <= 1e-12 * luminance.abs(), "{sum} {luminance}");
+                lit += u32::from(luminance > 0.0);
+            }
+            assert!(lit > 10, "{lit}");
+        }
     }
 }

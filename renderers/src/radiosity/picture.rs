@@ -37,6 +37,8 @@ pub struct Field<'s> {
     lamps: bool,
     /// The radiosity of these, row by row.
     radiosity: Vec<f64>,
+    /// What each number of a row is worth in luminance.
+    luminances: Vec<f64>,
     charts: Charts,
     cells: Option<Cells>,
 }
@@ -68,7 +70,9 @@ impl<'s> Field<'s> {
         let specular = Specular::new(scene, whitted);
         let (rays, lamps) = (rays(settings), settings.caustics == Caustics::Gathered);
         let list = if settings.exact { Vec::new() } else { charts.list(scene, patches) };
-        let mut field = Self { solution, rays, lookup, specular, lamps, radiosity: Vec::new(), charts, cells: None };
+        let luminances = solution.representation().luminances();
+        let radiosity = Vec::new();
+        let mut field = Self { solution, rays, lookup, specular, lamps, radiosity, luminances, charts, cells: None };
         let landed = Landed::new(settings.caustics, patches, &field.lookup);
         let reflection = Reflection::new(patches, &field.charts.shapes, field.all_rays(), whitted, landed);
         field.radiosity = reflection.radiosity(solution, &field.lookup);
@@ -117,7 +121,7 @@ impl Indirect for Field<'_> {
     }
 
     fn luminance(&self, row: &[f64]) -> f64 {
-        self.solution.representation().colour(&[], row).value[1]
+        self.luminances.iter().zip(row).map(|(each, number)| each * number).sum()
     }
 
     fn irradiance(&self, hit: &Hit, row: &mut [f64]) {

@@ -29,6 +29,17 @@ pub trait Representation: Debug + Sync {
     /// The colour of a radiance: of a row times a product of leaves of the palette, from the eye to the light.
     fn colour(&self, leaves: &[u32], row: &[f64]) -> Tristimulus;
 
+    /// The luminances of rows in which one number is 1 and all others are 0: where these add up, that of a row is the sum of its numbers times them.
+    fn luminances(&self) -> Vec<f64> {
+        let mut row = vec![0.0; self.width()];
+        let mut luminance = |place: usize| {
+            row.fill(0.0);
+            row[place] = 1.0;
+            self.colour(&[], &row).value[1]
+        };
+        (0..self.width()).map(&mut luminance).collect()
+    }
+
     /// Intervals, bins or components.
     fn intervals(&self) -> usize {
         self.width()

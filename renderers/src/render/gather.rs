@@ -173,7 +173,8 @@ impl Represented for Job<'_> {
             let colour = representation.colour(leaves, row);
             [colour.value, colour.radius]
         };
-        let field = Field { gatherer: &gatherer, mosaic: &mosaic };
+        let luminances = representation.luminances();
+        let field = Field { gatherer: &gatherer, mosaic: &mosaic, luminances };
         let frame = Frame { indirect: Some(&field), ..frame };
         Ok((frame.trace(start, || WithGathered::new(new_resolver(), &colour, None)), report))
     }
@@ -209,6 +210,8 @@ fn report(gatherer: &Gatherer<'_>, emitted: u64, gathers: usize, seconds: [f64; 
 struct Field<'f, 's> {
     gatherer: &'f Gatherer<'s>,
     mosaic: &'f Mosaic,
+    /// What each number of a row is worth in luminance.
+    luminances: Vec<f64>,
 }
 
 impl Indirect for Field<'_, '_> {
@@ -217,7 +220,7 @@ impl Indirect for Field<'_, '_> {
     }
 
     fn luminance(&self, row: &[f64]) -> f64 {
-        self.gatherer.luminance(row)
+        self.luminances.iter().zip(row).map(|(each, number)| each * number).sum()
     }
 
     fn irradiance(&self, hit: &Hit, row: &mut [f64]) {

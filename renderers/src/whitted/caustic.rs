@@ -32,6 +32,9 @@ pub(crate) trait Caustics: Sync {
     /// Whether light whose ways depend on the wavelength must be asked for by bands, wherever there is any.
     fn is_by_bands(&self) -> bool;
 
+    /// Whether there is light whose way depends on the wavelength.
+    fn is_dispersed(&self) -> bool;
+
     /// Finds the light that reaches a place by ways that depend on the wavelength: at all wavelengths, or at those that it takes for a band. What was
     /// found of such light before is forgotten.
     fn dispersed(&self, hit: &Hit, how: How, band: Option<Band>, found: &mut Arrived) -> Dispersion;
@@ -284,6 +287,7 @@ impl<'s> Worker<'s> {
     #[must_use]
     pub(crate) fn with_caustics(mut self, caustics: &'s dyn Caustics) -> Self {
         self.caustics = Some(caustics);
+        self.is_dispersed = caustics.is_dispersed();
         self
     }
 

@@ -175,6 +175,8 @@ pub struct Worker<'s> {
     monomials: Monomials,
     order: FactorOrder,
     caustics: Option<&'s dyn Caustics>,
+    /// Whether ways of that light depend on the wavelength.
+    is_dispersed: bool,
     deferred: Vec<Later>,
     /// Light that was found at a place; its sums by products of spectra, and the squares of their standard errors.
     arriving: Arrived,
@@ -249,6 +251,7 @@ impl<'s> Worker<'s> {
             monomials: Monomials::new(order),
             order,
             caustics: None,
+            is_dispersed: false,
             deferred: Vec::new(),
             arriving: Arrived::default(),
             sums: Vec::new(),
@@ -462,7 +465,7 @@ impl<'s> Worker<'s> {
 
     /// Light from other surfaces: the ambient term, or what takes its place. The path's monomial has the reflectance in it.
     fn indirect(&mut self, hit: &Hit, reflected: Path, radiance: &mut Radiance) {
-        let scene = self.scene;
+        let (scene, weighs_light) = (self.scene, self.weighs_light());
         match &mut self.between {
             Between::Ambient => {
                 for ambient in &scene.ambient {
@@ -479,7 +482,7 @@ impl<'s> Worker<'s> {
                 let (start, width) = (self.rows.len(), indirect.width());
                 self.rows.resize(start + width, 0.0);
                 indirect.irradiance(hit, &mut self.rows[start..]);
-                if self.caustics.is_some() {
+                if weighs_light {
                     self.illuminance += indirect.luminance(&self.rows[start..]);
                 }
                 let number = u32::try_from(start / width.max(1)).unwrap_or(u32::MAX);
@@ -504,9 +507,14 @@ impl<'s> Worker<'s> {
         self.indirect(hit, reflected, radiance);
     }
 
-    /// The luminance of a spectrum, relative to that of a flat one of 1, where light by way of mirrors and glass is compared with others; 0 if there is none.
+    /// Whether light is compared with that which dispersion has spread.
+    const fn weighs_light(&self) -> bool {
+        self.is_dispersed && self.tolerance > 0.0
+    }
+
+    /// The luminance of a spectrum, relative to that of a flat one of 1, if light is compared; otherwise 0.
     fn luminance(&self, spectrum: Factor) -> f64 {
-        self.caustics.map_or(0.0, |caustics| caustics.luminance(spectrum))
+        self.caustics.filter(|_| self.weighs_light()).map_or(0.0, |caustics| caustics.luminance(spectrum))
     }
 
     /// Mirror reflection: the light is gathered once, then multiplied by each factor times its share.

@@ -27,7 +27,7 @@ fn reflectance(incident: f64, refracted: f64) -> f64 {
 /// The photons that passed two boundaries at a wavelength, with their paths.
 fn through(emission: &Emission<'_>, prefixes: &[Prefix], wavelength: f64) -> Vec<(Prefix, Scattered)> {
     let thrown = emission.throw(prefixes, |_| wavelength, &mut Spectra::default());
-    let passed = thrown.photons.into_iter().filter(|photon| photon.branch == THROUGH);
+    let passed = thrown.photons().into_iter().filter(|photon| photon.branch == THROUGH);
     passed.map(|photon| (prefixes[photon.path as usize], photon)).collect()
 }
 
@@ -188,7 +188,7 @@ fn light_leaves_glass_that_it_is_made_in() {
     assert!(emitted.photons.is_empty());
     for (wavelength, absorption) in [(380.0, 0.2), (480.0, 0.4), (680.0, 0.8)] {
         let thrown = emission.throw(&emitted.prefixes, |_| wavelength, &mut Spectra::default());
-        let found: f64 = thrown.photons.iter().map(|photon| f64::from(photon.photon.flux)).sum();
+        let found: f64 = thrown.photons().iter().map(|photon| f64::from(photon.photon.flux)).sum();
         let expected = expected(1.5, absorption);
         assert!((found / expected - 1.0).abs() <= 1e-5, "{wavelength}: {found}, expected {expected}");
     }

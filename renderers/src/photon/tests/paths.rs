@@ -94,7 +94,7 @@ fn roulette_is_unbiased() {
                 None => kept(emitted.photons.iter().map(|p| (p.position, p.flux))),
                 Some(wavelength) => {
                     let thrown = emission.throw(&emitted.prefixes, |_| wavelength, &mut emitted.spectra);
-                    kept(thrown.photons.iter().map(|s| (s.photon.position, s.photon.flux)))
+                    kept(thrown.photons().iter().map(|s| (s.photon.position, s.photon.flux)))
                 }
             }
         };
@@ -129,8 +129,8 @@ fn roulette_is_unbiased() {
 fn by_branch(thrown: &Thrown) -> HashMap<(u32, u32), ([f32; 3], f32, u32)> {
     let entry =
         |s: &crate::photon::Scattered| ((s.path, s.branch), (s.photon.position, s.photon.flux, s.photon.spectrum));
-    let map: HashMap<_, _> = thrown.photons.iter().map(entry).collect();
-    assert_eq!(map.len(), thrown.photons.len(), "each path and branch lands once");
+    let map: HashMap<_, _> = thrown.photons().iter().map(entry).collect();
+    assert_eq!(map.len(), thrown.photons().len(), "each path and branch lands once");
     map
 }
 
@@ -166,7 +166,7 @@ fn wavelengths_are_asked_for_by_path() {
     let emission = stage.emission(settings(4, 8, 0.25));
     let mut emitted = emit(&emission, 20_000, 0);
     let mut throw = |wavelength: &(dyn Fn(usize) -> f64 + Sync)| {
-        emission.throw(&emitted.prefixes, wavelength, &mut emitted.spectra).photons
+        emission.throw(&emitted.prefixes, wavelength, &mut emitted.spectra).photons()
     };
     let (blue, red) = (throw(&|_| 420.0), throw(&|_| 680.0));
     let mixed = throw(&|path| if path % 3 == 0 { 420.0 } else { 680.0 });
@@ -201,7 +201,7 @@ fn photons_do_not_depend_on_threads() {
     let ((one, one_thrown), (three, three_thrown)) = (run(1), run(3));
     assert!(one.photons.len() > 10_000 && one.prefixes.len() > 10_000 && one.spectra.len() > 40);
     assert!(one.photons == three.photons && one.prefixes == three.prefixes);
-    assert!(one_thrown.photons == three_thrown.photons);
+    assert!(one_thrown.pieces == three_thrown.pieces);
     assert_eq!((one.account, one_thrown.account), (three.account, three_thrown.account));
     let leaves = |spectra: &Spectra| -> Vec<Vec<u32>> {
         (0..).take(spectra.len()).map(|number| spectra.leaves(number).to_vec()).collect()
