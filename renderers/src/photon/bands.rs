@@ -116,18 +116,18 @@ impl Thrown {
 
     /// How light differs between the thirds of all waves: the standard deviation of theirs over its mean, from 0 to √2, for photons of the map by their
     /// numbers and weights. What is there by chance, as there are few photons, is in it.
-    pub(super) fn unevenness(&self, photons: impl Iterator<Item = (u32, f32)>) -> f32 {
+    pub(super) fn unevenness(&self, photons: impl Iterator<Item = (u32, f32)>) -> f64 {
         let Some(moving) = &self.moving else { return 0.0 };
         let mut sums = [0.0; 3];
         for (number, weight) in photons {
             let number = number as usize;
             if let (Some(photon), Some(third)) = (self.map.photons().get(number), moving.thirds.get(number)) {
-                sums[usize::from(*third)] += weight * self.worth(photon);
+                sums[usize::from(*third)] += f64::from(weight) * f64::from(self.worth(photon));
             }
         }
-        let mean: f32 = sums.iter().sum::<f32>() / 3.0;
-        let squares: f32 = sums.iter().map(|sum| (sum - mean) * (sum - mean)).sum();
-        if mean > 0.0 { (squares / 3.0).sqrt() / mean } else { 0.0 }
+        let mean: f64 = sums.iter().sum::<f64>() / 3.0;
+        let squares: f64 = sums.iter().map(|sum| (sum / mean - 1.0).powi(2)).sum();
+        if mean > 0.0 { (squares / 3.0).sqrt() } else { 0.0 }
     }
 
     /// Calls with photons that may count in a region of a surface at some wavelength, of which some are in the order of the leaf, and how far they

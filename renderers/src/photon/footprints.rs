@@ -11,7 +11,7 @@ use glam::Vec3A;
 use rayon::prelude::*;
 
 use super::Photon;
-use super::density::{Density, Estimate, Place, region_of};
+use super::density::{Density, Estimate, Place};
 use super::map::{Near, PhotonMap, Region, Tree, WAITING};
 use super::motion::Motion;
 use super::ways::Ways;
@@ -220,17 +220,17 @@ impl Footprints {
 
 impl Density {
     /// Estimates the irradiance at a place from the photons of its surface that don't move: each counts within a radius r of its own, at least
-    /// `least`, at the distance d for its flux times K(d/r) / (r² m). m is the kernel's share on the face of the place for the mean of the radii, by
+    /// that of the region, at the distance d for its flux times K(d/r) / (r² m). m is the kernel's share on the face of the place for the mean of the radii, by
     /// flux.
     pub(super) fn estimate_by(
         &self,
         (map, footprints): (&PhotonMap, &Footprints),
-        (place, least): (&Place<'_>, f32),
+        (place, region): (&Place<'_>, &Region),
         brightness: impl Fn(&Photon) -> f32,
         estimate: &mut Estimate,
     ) {
         estimate.clear();
-        footprints.counting(map, place.surface, &region_of(place, least), |near, footprint| {
+        footprints.counting(map, place.surface, region, |near, footprint| {
             if let Some(photon) = map.photons().get(near.photon as usize).filter(|photon| place.sees(photon)) {
                 let Footprint { radius, bias } = footprint;
                 let weight = self.kernel.value(near.distance2 / (radius * radius)) / (radius * radius);

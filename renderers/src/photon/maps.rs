@@ -10,6 +10,7 @@ use super::bands::{BandReport, Bands, Slot, Thrown};
 use super::curves::{self, Curves};
 use super::density::region_of;
 use super::footprints::{Footprint, LEAVES, evened};
+use super::map::Region;
 use super::passing::Wanted;
 use super::reached::Reached;
 use super::waves::{Bundle, Waves};
@@ -317,11 +318,32 @@ impl<'s> Maps<'s> {
         }
     }
 
+    /// Whether light at a place is slight enough to be taken as white, if the standard deviation between thirds of the waves may be so much: the light is
+    /// found, then, and that is an error of the photons' like the others.
+    fn is_slight(&self, thrown: &Thrown, place: (&Place<'_>, &Region), most: f64, found: &mut Arrived) -> bool {
+        found.list.clear();
+        self.find((thrown, 1.0), place, found);
+        let Arrived { list, scratch, .. } = found;
+        if scratch.value * EVEN > most {
+            return false;
+        }
+        let uneven = scratch.value * thrown.unevenness(scratch.photons());
+        let more = scratch.error_with(uneven);
+        list.iter_mut().for_each(|arriving| arriving.error *= more);
+        uneven <= most
+    }
+
     /// Finds a share of the light that reaches a hit by photons, each of them where it landed at a wavelength of its own.
-    fn find(&self, (thrown, share): (&Thrown, f64), hit: &Hit, least: f32, found: &mut Arrived) -> Arc<Spectra> {
+    fn find_at(&self, from: (&Thrown, f64), hit: &Hit, least: f32, found: &mut Arrived) -> Arc<Spectra> {
+        let place = self.place(hit);
+        self.find(from, (&place, &region_of(&place, least)), found)
+    }
+
+    /// The same at a place.
+    fn find(&self, (thrown, share): (&Thrown, f64), place: (&Place<'_>, &Region), found: &mut Arrived) -> Arc<Spectra> {
         let Thrown { map, spectra, footprints, .. } = thrown;
         let worth = |photon: &Photon| thrown.worth(photon);
-        self.density.estimate_by((map, footprints), (&self.place(hit), least), worth, &mut found.scratch);
+        self.density.estimate_by((map, footprints), place, worth, &mut found.scratch);
         let (photons, error) = (map.photons(), found.scratch.error_of_a_photon());
         for (number, weight) in found.scratch.photons() {
             let Some(photon) = photons.get(number as usize) else { continue };
@@ -346,7 +368,12 @@ impl<'s> Maps<'s> {
             for photon in map.photons().iter().step_by(stride) {
                 let Some(hit) = self.hit(photon) else { continue };
                 let (place, worth) = (self.place(&hit), |photon: &Photon| thrown.worth(photon));
-                self.density.estimate_by((map, &thrown.footprints), (&place, 0.0), worth, &mut estimate);
+                self.density.estimate_by(
+                    (map, &thrown.footprints),
+                    (&place, &region_of(&place, 0.0)),
+                    worth,
+                    &mut estimate,
+                );
                 if estimate.value > 0.0 {
                     let error = estimate.relative_error().hypot(estimate.bias / estimate.value);
                     squares += error * error;
@@ -438,11 +465,11 @@ fn renumbered(list: &mut [Arriving], own: &Arc<Spectra>, mut table: Arc<Spectra>
 
 impl Caustics for Maps<'_> {
     fn arriving(&self, hit: &Hit, least: f32, band: Option<Band>, found: &mut Arrived) -> Arc<Spectra> {
-        let Some(band) = band else { return self.find((&self.even, 1.0), hit, least, found) };
+        let Some(band) = band else { return self.find_at((&self.even, 1.0), hit, least, found) };
         let mut spectra = None;
         for (band, share) in self.standing_for(band, self.radius_at(hit), least).into_iter().flatten() {
             let (slot, before) = (self.bands.get(band), found.list.len());
-            let own = self.find((slot.thrown(|band| self.spread(self.throw(band))), share), hit, least, found);
+            let own = self.find_at((slot.thrown(|band| self.spread(self.throw(band))), share), hit, least, found);
             spectra = Some(match spectra {
                 None => own,
                 Some(first) => renumbered(&mut found.list[before..], &own, first),
@@ -456,7 +483,7 @@ impl Caustics for Maps<'_> {
     }
 
     fn is_dispersed(&self) -> bool {
-        self.whole.is_some()
+        self.whole.as_ref().and_then(|slot| slot.thrown.get()).is_some_and(Thrown::is_moving)
     }
 
     fn is_by_bands(&self) -> bool {
@@ -466,25 +493,16 @@ impl Caustics for Maps<'_> {
     fn dispersed(&self, hit: &Hit, how: How, band: Option<Band>, found: &mut Arrived) -> Dispersion {
         let How { least, alike, slight } = how;
         let Some(thrown) = self.whole.as_ref().and_then(|slot| slot.thrown.get()) else { return Dispersion::None };
-        if thrown.is_moving() && slight > 0.0 {
-            found.list.clear();
-            let spectra = self.find((thrown, 1.0), hit, least, found);
-            let Arrived { list, scratch, .. } = found;
-            if scratch.value * EVEN <= slight {
-                let uneven = scratch.value * f64::from(thrown.unevenness(scratch.photons()));
-                if uneven <= slight {
-                    // It is an error of the photons' like the others.
-                    let more = scratch.error_with(uneven);
-                    list.iter_mut().for_each(|arriving| arriving.error *= more);
-                    return Dispersion::Slight(spectra);
-                }
-            }
-        }
         let place = self.place(hit);
         let mut region = region_of(&place, least);
         if thrown.is_moving() {
             // As far as photons are from where they are thought to be: on curved surfaces, and by rounding.
             region.thickness = 2.0 * region.thickness + if place.face.is_none() { NEAR * self.usual } else { 0.0 };
+            // The more passes there are, the less is taken as white: their mean is to have all colours.
+            let slight = slight * f64::from(self.shrink) * f64::from(self.shrink);
+            if slight > 0.0 && self.is_slight(thrown, (&place, &region), slight, found) {
+                return Dispersion::Slight(Arc::clone(&thrown.spectra));
+            }
             found.passed.find(thrown, (&place, &region), &self.density, Wanted { band, alike });
             return Dispersion::Known(Arc::clone(&thrown.spectra));
         }

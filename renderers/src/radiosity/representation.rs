@@ -78,6 +78,10 @@ impl<T: Representation + ?Sized> Representation for &T {
         (**self).colour(leaves, row)
     }
 
+    fn luminances(&self) -> Vec<f64> {
+        (**self).luminances()
+    }
+
     fn intervals(&self) -> usize {
         (**self).intervals()
     }

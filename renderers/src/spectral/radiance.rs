@@ -156,16 +156,6 @@ impl Radiance {
         &self.gathered
     }
 
-    /// Takes the gathered light away.
-    pub(crate) fn take_gathered(&mut self) -> Self {
-        Self { gathered: core::mem::take(&mut self.gathered), ..Self::default() }
-    }
-
-    /// Adds the gathered light of another one.
-    pub(crate) fn add_gathered(&mut self, other: &Self) {
-        self.gathered.extend_from_slice(&other.gathered);
-    }
-
     /// Adds a product of spectra.
     pub fn add(&mut self, monomial: Monomial, weight: f64) {
         if weight == 0.0 {

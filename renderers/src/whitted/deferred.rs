@@ -39,42 +39,17 @@ impl Worker<'_> {
     /// Follows deferred light at the wavelength that light between surfaces is gathered for, before it is asked for at any other, so that what
     /// is seen doesn't depend on which are asked for first.
     pub(super) fn prepare(&mut self, number: usize, interface: &Interface, band: Band) {
-        if self.is_prepared(number) {
+        if matches!(self.between, Between::Ambient) || self.prepared.iter().any(|(known, _)| *known == number) {
             return;
         }
-        let before = (self.is_gathering, self.is_preparing);
-        (self.is_gathering, self.is_preparing) = (true, true);
+        let was_preparing = core::mem::replace(&mut self.is_preparing, true);
         // Bodies within sight of each other are prepared on the way.
         self.prepared.push((number, Radiance::default()));
         let light = self.expand_boundary(interface, band);
-        (self.is_gathering, self.is_preparing) = before;
-        self.keep_gathered(number, light);
-    }
-
-    /// The same with all other light for the band, which is returned, while light between surfaces is kept.
-    pub(super) fn expand_and_prepare(&mut self, number: usize, interface: &Interface, band: Band) -> Radiance {
-        let was_gathering = core::mem::replace(&mut self.is_gathering, true);
-        self.prepared.push((number, Radiance::default()));
-        let mut light = self.expand_boundary(interface, band);
-        self.is_gathering = was_gathering;
-        let gathered = light.take_gathered();
-        if was_gathering {
-            // Whoever sees this body gathers what is seen in it.
-            light.add_gathered(&gathered);
-        }
-        self.keep_gathered(number, gathered);
-        light
-    }
-
-    fn keep_gathered(&mut self, number: usize, light: Radiance) {
+        self.is_preparing = was_preparing;
         if let Some((_, gathered)) = self.prepared.iter_mut().find(|(known, _)| *known == number) {
             *gathered = light;
         }
-    }
-
-    /// Whether the light between surfaces in deferred light is known, or there is none.
-    pub(super) fn is_prepared(&self, number: usize) -> bool {
-        matches!(self.between, Between::Ambient) || self.prepared.iter().any(|(known, _)| *known == number)
     }
 
     /// The light between surfaces in deferred light.

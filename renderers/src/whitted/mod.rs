@@ -13,12 +13,13 @@
 //!
 //! Approximations: light that reaches a diffuse surface by way of mirrors or glass (caustics) is not found, unless a worker is given photons;
 //! light between diffuse surfaces is the scene's ambient term, unless it is given [`Indirect`] light in its place. Behind glass with dispersion, what
-//! a flat diffuse surface reflects may be taken from a place within a part of a pixel's width, and light that dispersion has spread as white where other light
-//! outshines it, both the more, the more colours may be off. Paths end after [`max_depth`](Settings::max_depth) reflections and refractions, or when the light that
+//! a flat diffuse surface reflects may be taken from a place within a part of a pixel's width. Light that dispersion has spread may be taken as white where other light
+//! outshines it. Both is so the more, the more colours may be off. Paths end after [`max_depth`](Settings::max_depth) reflections and refractions, or when the light that
 //! comes back can count for less than 10⁻⁴ before the reflectances of mirrors.
 
 mod build;
 mod caustic;
+mod curve;
 mod deferred;
 mod error;
 mod glossy;
@@ -27,14 +28,16 @@ mod refraction;
 mod schlick;
 
 pub(crate) use build::camera;
-pub(crate) use caustic::{Arrived, Arriving, Caustics, Dispersion, How, nodes_of};
+pub(crate) use caustic::{Arrived, Arriving, Caustics, Dispersion, How};
+pub(crate) use curve::nodes_of;
 
 use alloc::sync::Arc;
 
 use glam::DVec3;
 use spectral_core::brdf::Schlick;
 
-use self::caustic::{BandParts, Curve, Dispersed, Node};
+use self::caustic::{Dispersed, Node};
+use self::curve::{BandParts, Curve};
 pub use self::error::RenderError;
 pub use self::glossy::GlossyLight;
 use self::places::Place;
@@ -191,13 +194,13 @@ pub struct Worker<'s> {
     noise_counted: Option<f64>,
     /// Deferred light with the light between surfaces that it has.
     prepared: Vec<(usize, Radiance)>,
-    /// Whether deferred light is followed for the first time: light between surfaces is wanted then; and whether nothing else is.
-    is_gathering: bool,
+    /// Whether deferred light is followed for the first time: light between surfaces is wanted then.
     is_preparing: bool,
     /// Light that was found for all waves where paths that depend on them came to, and the ΔE*ab that it may cost to take it for others.
     places: Vec<Arc<Place>>,
     tolerance: f64,
-    /// The illuminance that was found where a surface last reflected diffusely, by lights and other surfaces, relative to that of a flat spectrum of 1.
+    /// The illuminance that was found where a surface last reflected diffusely, by lights and, where that was asked for, by other surfaces, relative to that of
+    /// a flat spectrum of 1.
     illuminance: f64,
     known: KnownCells,
     scratch: Scratch,
@@ -261,7 +264,6 @@ impl<'s> Worker<'s> {
             noise: Radiance::default(),
             noise_counted: None,
             prepared: Vec::new(),
-            is_gathering: false,
             is_preparing: false,
             places: Vec::new(),
             tolerance: 0.0,
@@ -283,7 +285,7 @@ impl<'s> Worker<'s> {
 
     /// The same, where light that is seen by paths for some waves may be taken from places nearby: as near as it takes for about this ΔE*ab where light
     /// changes by a few per cent within a pixel; at edges it may cost more, and errors that are estimated don't know of it. Light of photons that part by their
-    /// wavelengths may be taken as white where that costs about as much at most: it is among their errors. Whoever tolerates that asks for narrower bands
+    /// wavelengths may be taken as white where that costs about as much at most: it is among their errors, as if it were lightness that is off. Whoever tolerates that asks for narrower bands
     /// after the whole.
     #[must_use]
     pub(crate) const fn with_tolerance(mut self, delta_e: f64) -> Self {
@@ -476,7 +478,7 @@ impl<'s> Worker<'s> {
             Between::Noted(hits) => hits.push(*hit),
             Between::Asked(indirect) => {
                 // What is between surfaces is gathered along one path for all waves.
-                if reflected.weight == 0.0 || (reflected.band.is_some() && !self.is_gathering) {
+                if reflected.weight == 0.0 || (reflected.band.is_some() && !self.is_preparing) {
                     return;
                 }
                 let (start, width) = (self.rows.len(), indirect.width());

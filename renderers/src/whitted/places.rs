@@ -7,7 +7,7 @@ use alloc::sync::Arc;
 
 use glam::DVec3;
 
-use super::caustic::Curve;
+use super::curve::Curve;
 use super::{Path, Worker};
 use crate::geometry::Hit;
 use crate::spectral::{Factor, Monomial, Radiance};
@@ -25,8 +25,6 @@ pub(super) struct Place {
     /// Half a pixel's width where it was found, in scene units.
     least: f32,
     light: Radiance,
-    /// Light between surfaces, if it was wanted.
-    gathered: Radiance,
     /// Light whose way there depends on the wavelength.
     curve: Option<Arc<Curve>>,
     /// The standard errors of what photons have of both.
@@ -78,9 +76,6 @@ impl Worker<'_> {
             None => return false,
         };
         self.add_product(&place.light, path, radiance);
-        if self.is_gathering {
-            self.add_product(&place.gathered, path, radiance);
-        }
         if let Some(curve) = &place.curve {
             let light = curve.over(band, &mut self.band_parts);
             self.add_product(&light, path, radiance);
@@ -98,11 +93,10 @@ impl Worker<'_> {
         let unit = Path { monomial: Monomial::default(), weight: 1.0, ..path };
         let mut light = Radiance::default();
         self.diffuse(hit, unit, reflectance, &mut light);
-        let gathered = light.take_gathered();
         let before = core::mem::take(&mut self.noise);
         let curve = self.caustic_for_all((hit, direction), Path { band: None, ..unit }, &mut light);
         let noise = core::mem::replace(&mut self.noise, before);
-        Some(Place { hit: *hit, least: self.least(path), light, gathered, curve: curve?, noise })
+        Some(Place { hit: *hit, least: self.least(path), light, curve: curve?, noise })
     }
 }
 
@@ -239,8 +233,8 @@ mod tests {
             planar: true,
         };
         let place = |hit: Hit| {
-            let none = Radiance::default;
-            Place { hit, least: 0.1, light: none(), gathered: none(), curve: None, noise: none() }
+            let (light, noise) = (Radiance::default(), Radiance::default());
+            Place { hit, least: 0.1, light, curve: None, noise }
         };
         let at = |x: f32, z: f32| Hit { position: Vec3A::new(x, 0.25, z), primitive: 4, ..hit };
         let own = place(hit);

@@ -72,10 +72,6 @@ impl Worker<'_> {
     pub(super) fn expand(&mut self, number: usize, band: Band) -> Radiance {
         match self.deferred.get(number).cloned() {
             Some(Later::Boundary(interface)) => {
-                // All waves are asked for first where some of them may take what is found for all.
-                if band.is_whole() && self.tolerance > 0.0 && !self.is_preparing && !self.is_prepared(number) {
-                    return self.expand_and_prepare(number, &interface, band);
-                }
                 self.prepare(number, &interface, Band::single(MEAN_WAVELENGTH));
                 self.expand_boundary(&interface, band)
             }

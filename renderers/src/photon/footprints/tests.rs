@@ -1,6 +1,7 @@
 //! Estimates of photons that count within radii of their own, and of those that move.
 
 use super::{Footprint, Footprints, evened};
+use crate::photon::density::region_of;
 use crate::photon::density::tests::{on_square, place, square, statistics};
 use crate::photon::extent::Extents;
 use crate::photon::kernel::Kernel;
@@ -36,7 +37,12 @@ fn uniform_irradiance_is_unbiased() {
                 let map = on_square(4000, 1.0, seed, |_, _| 1.0);
                 let footprints = footprints(&density, &map, &extents);
                 let mut found = Estimate::default();
-                density.estimate_by((&map, &footprints), (&place, 0.0), |photon| photon.flux, &mut found);
+                density.estimate_by(
+                    (&map, &footprints),
+                    (&place, &region_of(&place, 0.0)),
+                    |photon| photon.flux,
+                    &mut found,
+                );
                 values.push(found.value);
                 errors += found.standard_error * found.standard_error / 200.0;
             }
@@ -65,7 +71,12 @@ fn all_light_is_there_once_beside_edges() {
                 for j in 0_u8..100 {
                     let [x, y] = [i, j].map(|k| (f32::from(k) + 0.5) / 50.0 - 1.0);
                     let place = place(&extents, x, y);
-                    density.estimate_by((&map, &footprints), (&place, 0.0), |photon| photon.flux, &mut found);
+                    density.estimate_by(
+                        (&map, &footprints),
+                        (&place, &region_of(&place, 0.0)),
+                        |photon| photon.flux,
+                        &mut found,
+                    );
                     sum += found.value / 2500.0;
                 }
             }
