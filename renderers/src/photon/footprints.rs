@@ -99,26 +99,32 @@ impl Footprints {
     /// Those of the photons of a map, with the radii of its leaves, and how photons move, in the map's order, with the least number of steps in which
     /// their light is found.
     pub(super) fn new(map: &PhotonMap, radii: Vec<Footprint>, moving: Option<(&[Motion], u16)>) -> Self {
-        let known = |(numbers, footprint): (Range<usize>, &Footprint)| {
-            let photons = map.photons().get(numbers.clone()).unwrap_or_default();
-            let (mut around, mut own) = (Box3::EMPTY, None);
-            if let Some((motions, least)) = moving {
-                let motions = motions.get(numbers).unwrap_or_default();
-                own = Some(Ways::new(photons, motions, footprint.radius, least));
-                for (photon, motion) in photons.iter().zip(motions) {
+        let motions_of = |numbers: &Range<usize>| {
+            let (motions, least) = moving?;
+            Some((motions.get(numbers.clone()).unwrap_or_default(), least))
+        };
+        let photons_of = |numbers: &Range<usize>| map.photons().get(numbers.clone()).unwrap_or_default();
+        let around = |(numbers, footprint): &(Range<usize>, &Footprint)| {
+            let photons = photons_of(numbers).iter();
+            let around = match motions_of(numbers) {
+                Some((motions, _)) => photons.zip(motions).fold(Box3::EMPTY, |around, (photon, motion)| {
                     let (middle, half) = motion.middle(photon);
-                    around = around.with(Box3::around(middle, half));
+                    around.with(Box3::around(middle, half))
+                }),
+                None => {
+                    photons.fold(Box3::EMPTY, |around, photon| around.with(Box3::around(photon.position, [0.0; 3])))
                 }
-            } else {
-                let point = |photon: &Photon| Box3::around(photon.position, [0.0; 3]);
-                around = photons.iter().map(point).fold(around, Box3::with);
-            }
-            (if footprint.radius > 0.0 { around.wider(footprint.radius) } else { Box3::EMPTY }, own)
+            };
+            if footprint.radius > 0.0 { around.wider(footprint.radius) } else { Box3::EMPTY }
         };
         let leaves: Vec<_> = map.leaves_photons().zip(&radii).collect();
-        let leaves = leaves.into_par_iter().with_min_len(LEAVES).map(known);
-        let (boxes, ways): (Vec<Box3>, Vec<Option<Ways>>) = leaves.unzip();
-        let ways = ways.into_iter().flatten().collect();
+        let in_turn = || leaves.par_iter().with_min_len(LEAVES);
+        let boxes: Vec<Box3> = in_turn().map(around).collect();
+        let ways = in_turn().filter_map(|(numbers, footprint)| {
+            let (motions, least) = motions_of(numbers)?;
+            Some(Ways::new(photons_of(numbers), motions, footprint.radius, least))
+        });
+        let ways = if moving.is_some() { ways.collect() } else { Vec::new() };
         let mut footprints = Self { nodes: vec![[Box3::EMPTY; 2]; radii.len()], radii, ways };
         for tree in map.trees() {
             footprints.fill(&boxes, tree.leaves.start, tree.leaves.end);
