@@ -219,8 +219,8 @@ impl Indirect for Field<'_, '_> {
         self.gatherer.row_width()
     }
 
-    fn luminance(&self, row: &[f64]) -> f64 {
-        self.luminances.iter().zip(row).map(|(each, number)| each * number).sum()
+    fn luminances(&self) -> &[f64] {
+        &self.luminances
     }
 
     fn irradiance(&self, hit: &Hit, row: &mut [f64]) {

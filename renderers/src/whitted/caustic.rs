@@ -59,8 +59,8 @@ pub(crate) enum Dispersion {
     None,
     /// How it changes, and the products of spectra that it refers to.
     Known(Arc<Spectra>),
-    /// That it is slight: its mean over all waves was found, as light that is the same for all of them is, and refers to these products of spectra. How uneven
-    /// it is, is among its errors.
+    /// That it is slight: its mean over all waves was found, as light that is the same for all of them is, and refers to these products of spectra.
+    /// How uneven it is, is among its errors.
     Slight(Arc<Spectra>),
     /// That it must be asked for by bands.
     ByBands,
@@ -387,11 +387,12 @@ impl<'s> Worker<'s> {
 
 #[cfg(test)]
 mod tests {
+    use crate::geometry::Hit;
     use crate::geometry::sampling::SobolSequence;
     use crate::photon::{Bundle, Density, Emission, Maps, Rethrow, Settings};
     use crate::scene::builtin;
-    use crate::spectral::{Band, FactorOrder, Palette, Radiance, Tracer};
-    use crate::whitted::{Later, Whitted, Worker};
+    use crate::spectral::{Band, Factor, FactorOrder, Palette, Radiance, Tracer};
+    use crate::whitted::{Indirect, Later, Whitted, Worker};
 
     /// Light that hardly counts is white, the more of it the more is tolerated: what is seen in blue and in red differs by as little.
     #[test]
@@ -439,5 +440,47 @@ mod tests {
             );
             before = curves;
         }
+    }
+
+    /// The same irradiance everywhere, by rows of two numbers.
+    struct Everywhere;
+
+    impl Indirect for Everywhere {
+        fn width(&self) -> usize {
+            2
+        }
+
+        fn irradiance(&self, _: &Hit, row: &mut [f64]) {
+            row.copy_from_slice(&[2.0, 5.0]);
+        }
+
+        fn luminances(&self) -> &[f64] {
+            &[0.25, 0.5]
+        }
+    }
+
+    /// Light is compared with that of all lights, and with light between surfaces or the ambient term in its place; with none where nothing is tolerated.
+    #[test]
+    fn all_other_light_is_compared() {
+        let scene = builtin::load("cornell-box-spheres", &[]).unwrap();
+        let mut palette = Palette::default();
+        let mut whitted = Whitted::new(&scene, [24; 2], &mut palette).unwrap();
+        whitted.ambient = vec![Factor { scale: 0.75, leaf: None }];
+        let emission = Emission::new(&scene, &whitted, &palette, Settings::default());
+        let how = (Bundle::Continuous, Rethrow::Interpolated);
+        let emitted = emission.emit(10_000, 0, &|_| {});
+        let maps = Maps::new((&scene, &whitted), &emission, emitted, (Density::default(), 1.0), how);
+        let worker = || Worker::new(&whitted, FactorOrder::Free).with_caustics(&maps);
+        // The middle of the rear wall.
+        let found = |mut worker: Worker<'_>| {
+            worker.start_pixel(SobolSequence::new(0));
+            worker.sample(12.0, 9.0, 1.0, &mut Radiance::default());
+            worker.illuminance
+        };
+        let ambient = found(worker().with_tolerance(1.0));
+        let indirect = found(worker().with_tolerance(1.0).with_indirect(&Everywhere));
+        let lights = indirect - 3.0;
+        assert!(lights > 0.0 && (ambient - lights - 0.75 * core::f64::consts::PI).abs() <= 1e-12 * ambient);
+        assert_eq!(found(worker()), 0.0);
     }
 }

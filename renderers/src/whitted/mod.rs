@@ -13,9 +13,10 @@
 //!
 //! Approximations: light that reaches a diffuse surface by way of mirrors or glass (caustics) is not found, unless a worker is given photons;
 //! light between diffuse surfaces is the scene's ambient term, unless it is given [`Indirect`] light in its place. Behind glass with dispersion, what
-//! a flat diffuse surface reflects may be taken from a place within a part of a pixel's width. Light that dispersion has spread may be taken as white where other light
-//! outshines it. Both is so the more, the more colours may be off. Paths end after [`max_depth`](Settings::max_depth) reflections and refractions, or when the light that
-//! comes back can count for less than 10⁻⁴ before the reflectances of mirrors.
+//! a flat diffuse surface reflects may be taken from a place within a part of a pixel's width. Light that dispersion has spread may be taken as
+//! white where other light outshines it. Both are so the more, the more colours may be off. Paths end after
+//! [`max_depth`](Settings::max_depth) reflections and refractions, or when the light that comes back can count for less than 10⁻⁴ before the
+//! reflectances of mirrors.
 
 mod build;
 mod caustic;
@@ -155,8 +156,8 @@ pub trait Indirect: Sync {
     /// the lights' radiance times sr.
     fn irradiance(&self, hit: &Hit, row: &mut [f64]);
 
-    /// The luminance of a row, relative to that of a flat spectrum of 1.
-    fn luminance(&self, row: &[f64]) -> f64;
+    /// What each number of a row is worth in luminance, relative to that of a flat spectrum of 1: that of a row is the sum of its numbers times these.
+    fn luminances(&self) -> &[f64];
 }
 
 /// What a worker does about light between surfaces.
@@ -199,8 +200,8 @@ pub struct Worker<'s> {
     /// Light that was found for all waves where paths that depend on them came to, and the ΔE*ab that it may cost to take it for others.
     places: Vec<Arc<Place>>,
     tolerance: f64,
-    /// The illuminance that was found where a surface last reflected diffusely, by lights and, where that was asked for, by other surfaces, relative to that of
-    /// a flat spectrum of 1.
+    /// The illuminance that was found where a surface last reflected diffusely, by lights and, where that was asked for, by other surfaces, relative
+    /// to that of a flat spectrum of 1.
     illuminance: f64,
     known: KnownCells,
     scratch: Scratch,
@@ -284,9 +285,9 @@ impl<'s> Worker<'s> {
     }
 
     /// The same, where light that is seen by paths for some waves may be taken from places nearby: as near as it takes for about this ΔE*ab where light
-    /// changes by a few per cent within a pixel; at edges it may cost more, and errors that are estimated don't know of it. Light of photons that part by their
-    /// wavelengths may be taken as white where that costs about as much at most: it is among their errors, as if it were lightness that is off. Whoever tolerates that asks for narrower bands
-    /// after the whole.
+    /// changes by a few per cent within a pixel; at edges it may cost more, and errors that are estimated don't know of it. Light of photons
+    /// that part by their wavelengths may be taken as white where that costs about as much at most: it is among their errors, as if it were
+    /// lightness that is off. Whoever tolerates that asks for narrower bands after the whole.
     #[must_use]
     pub(crate) const fn with_tolerance(mut self, delta_e: f64) -> Self {
         self.tolerance = delta_e;
@@ -485,7 +486,8 @@ impl<'s> Worker<'s> {
                 self.rows.resize(start + width, 0.0);
                 indirect.irradiance(hit, &mut self.rows[start..]);
                 if weighs_light {
-                    self.illuminance += indirect.luminance(&self.rows[start..]);
+                    let numbers = indirect.luminances().iter().zip(&self.rows[start..]);
+                    self.illuminance += numbers.map(|(each, number)| each * number).sum::<f64>();
                 }
                 let number = u32::try_from(start / width.max(1)).unwrap_or(u32::MAX);
                 radiance.gather(Gathered(number), reflected.monomial, reflected.weight / core::f64::consts::PI);
