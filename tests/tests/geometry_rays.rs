@@ -488,3 +488,60 @@ fn bad_surfaces_are_refused_by_name() {
         assert!(error.to_string().starts_with("surface 1, ") && error.to_string().lines().count() == 1);
     }
 }
+
+/// How normals change along a surface is by how much they differ at hits beside each other: of spheres from both sides, of meshes with interpolated normals,
+/// and not at all where shading is flat.
+#[test]
+fn normals_change_as_they_differ_nearby() {
+    let mut rng = Rng::new(41);
+    let sphere = |inward: bool| Surface::Sphere(Sphere { centre: v(0.1, -0.2, 0.3), radius: 0.7, inward });
+    let smooth = icosphere(2).with_smooth_normals();
+    let surfaces = [
+        (sphere(false), true),
+        (sphere(true), true),
+        (Surface::Mesh(smooth), true),
+        (Surface::Mesh(icosphere(2)), false),
+        (
+            Surface::Parallelogram(Parallelogram {
+                corner: v(-1.0, -1.0, 0.0),
+                edge_u: v(2.0, 0.1, 0.0),
+                edge_v: v(0.0, 2.0, 0.3),
+            }),
+            false,
+        ),
+        (Surface::Disk(Disk::new(v(0.0, 0.0, 0.1), v(0.1, 0.2, 1.0), 1.0)), false),
+    ];
+    for (number, (surface, is_curved)) in surfaces.into_iter().enumerate() {
+        let world = World::new(&[(3, surface)]).unwrap();
+        let (mut asked, mut largest) = (0, 0.0_f64);
+        for _ in 0..2000 {
+            let from = random_point(&mut rng) * 3.0;
+            let towards = random_point(&mut rng) * 0.5 - from;
+            let ray = Ray::new(from, towards.normalize());
+            let Some(hit) = world.closest_hit(&ray) else { continue };
+            // Not along the edge of vision, where steps are long.
+            if hit.geometric_normal.dot(ray.direction).abs() < 0.3 {
+                continue;
+            }
+            let aside = random_direction(&mut rng) * 2e-3;
+            let ends = [-1.0, 1.0].map(|side| world.closest_hit(&Ray::new(from + aside * side, ray.direction)));
+            let [Some(before), Some(after)] = ends else { continue };
+            if before.primitive != hit.primitive || after.primitive != hit.primitive {
+                continue;
+            }
+            let step = after.position.as_dvec3() - before.position.as_dvec3();
+            let expected = after.shading_normal.as_dvec3() - before.shading_normal.as_dvec3();
+            let found = world.normal_change(&hit, step);
+            assert!((found - expected).length() <= 1e-3 * step.length(), "{number}: {found} {expected} for {step}");
+            let twice = world.normal_change(&hit, step * 2.0);
+            assert!(
+                (twice - found * 2.0).length() <= 1e-12 * found.length()
+                    && world.normal_change(&hit, DVec3::ZERO) == DVec3::ZERO
+            );
+            largest = largest.max(found.length() / step.length());
+            asked += 1;
+        }
+        assert!(asked > 300, "{number}: {asked}");
+        assert!(if is_curved { (0.5..3.0).contains(&largest) } else { largest == 0.0 }, "{number}: {largest}");
+    }
+}

@@ -220,7 +220,12 @@ impl Bvh {
 
     /// What else is known of a triangle of a packet.
     pub(super) fn detail(&self, packet: u32, hit: &PacketHit) -> &Detail {
-        &self.details[8 * packet as usize + 4 * hit.half + hit.lane]
+        self.detail_of(packet, hit.half, hit.lane)
+    }
+
+    /// The same by its place in the packet.
+    pub(super) fn detail_of(&self, packet: u32, half: usize, lane: usize) -> &Detail {
+        &self.details[8 * packet as usize + 4 * half + lane]
     }
 
     /// A round surface and its primitive, by its index in a [`RawHit`].

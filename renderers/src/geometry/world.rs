@@ -35,7 +35,8 @@ enum Kind {
     Triangle,
     Parallelogram,
     Disk,
-    Sphere,
+    /// With the inverse of its radius, negative if the inside is its front.
+    Sphere(f64),
 }
 
 /// All surfaces of a scene, ready for rays.
@@ -174,6 +175,40 @@ impl World {
         let [a, b, c] = [0, 1, 2].map(|i| corners[i].as_dvec3());
         let normal = (b - a).cross(c - a).try_normalize()?;
         ShaftEnd::part(&corners, if front { normal } else { -normal }, [low, high], primitive)
+    }
+
+    /// How the unit shading normal at a hit changes for a small step along its surface, to the first order: what the step is multiplied by, so that both
+    /// may be derivatives. Zero where surfaces and their shading are flat.
+    #[must_use]
+    pub fn normal_change(&self, hit: &Hit, step: DVec3) -> DVec3 {
+        match self.primitives.get(hit.primitive as usize) {
+            Some(Primitive { kind: Kind::Sphere(curvature), .. }) => step * *curvature,
+            Some(Primitive { normals, .. }) if *normals != NO_PRIMITIVE => {
+                self.interpolated_change(hit, *normals, step).unwrap_or(DVec3::ZERO)
+            }
+            _ => DVec3::ZERO,
+        }
+    }
+
+    /// The same of a triangle with vertex normals.
+    fn interpolated_change(&self, hit: &Hit, normals: u32, step: DVec3) -> Option<DVec3> {
+        let (packet, lane) = (*self.places.get(hit.primitive as usize)?)?;
+        let packed = self.bvh.packet(packet);
+        let half = usize::from(packed.primitive(0, usize::from(lane)) != hit.primitive);
+        let turn = self.bvh.detail_of(packet, half, usize::from(lane)).half.rotation as usize;
+        let triangle = packed.triangle(half, usize::from(lane));
+        let [a, b, c] = [0, 1, 2].map(|i| triangle[(i + 3 - turn) % 3].as_dvec3());
+        let normals = self.vertex_normals.get(normals as usize)?.map(Vec3A::as_dvec3);
+        let (u, v) = (b - a, c - a);
+        let plane = u.cross(v);
+        let by_area = plane / plane.length_squared();
+        // By how much the weights of the second and the third vertex change.
+        let [beta, gamma] = [step.cross(v), u.cross(step)].map(|area| area.dot(by_area));
+        let [second, third] = hit.uv.map(f64::from);
+        let sum = normals[0] * (1.0 - second - third) + normals[1] * second + normals[2] * third;
+        let change = (normals[1] - normals[0]) * beta + (normals[2] - normals[0]) * gamma;
+        let unit = sum.try_normalize()?;
+        Some((change - unit * unit.dot(change)) / sum.length())
     }
 
     /// The corners of the axis-aligned box around everything, in scene units; both zero for an empty world.
@@ -349,7 +384,9 @@ impl Parts {
                 self.add_round(shape, Round::Disk(DiskFrame::new(disk)), Kind::Disk, start);
             }
             Surface::Sphere(sphere) => {
-                self.add_round(shape, Round::Sphere(*sphere), Kind::Sphere, start);
+                let curvature = 1.0 / f64::from(sphere.radius);
+                let kind = Kind::Sphere(if sphere.inward { -curvature } else { curvature });
+                self.add_round(shape, Round::Sphere(*sphere), kind, start);
             }
         }
         self.ranges.push(start..self.next()?);
