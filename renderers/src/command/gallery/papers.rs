@@ -65,7 +65,7 @@ impl Figure {
     ///   of the mode and the reference;
     /// - `map/QUANTITY/…`: a number in what `spectral map --json` says of a quantity;
     /// - `share A-B`: pixels with A to B intervals, in %;
-    /// - `thrown-again`: photons that were thrown again as their ways depend on the wavelength: each at a few wavelengths;
+    /// - `thrown-again`: photons that were thrown again as their ways depend on the wavelength: each at one wavelength or a few;
     /// - `excess min` and `max`: extremes of how much too bright the mode is, relative to itself, in %.
     pub(super) fn counterpart(&self, render: &Value, compare: Option<&Value>) -> Option<f64> {
         if let Some((first, last)) = self.value.strip_prefix("share ").and_then(|range| range.split_once('-')) {
@@ -81,8 +81,8 @@ impl Figure {
         }
         if self.value == "thrown-again" {
             let photons = &render["photon_map"];
-            let keys: f64 = photons["keys"].as_array()?.iter().map(|_| 1.0).sum();
-            return Some(keys * photons["dispersed"].as_f64()?);
+            let keys: f64 = photons["keys_nm"].as_array()?.iter().map(|_| 1.0).sum();
+            return Some(keys.max(1.0) * photons["dispersed_paths"].as_f64()?);
         }
         if let Some((quantity, number)) = self.value.strip_prefix("map/").and_then(|rest| rest.split_once('/')) {
             let maps = render["maps"].as_array()?;
@@ -114,7 +114,11 @@ mod tests {
         assert_eq!(of("share 2-3"), Some(62.5));
         assert!((of("excess max").unwrap() - 20.0).abs() <= 1e-12);
         assert!((of("excess min").unwrap() + 25.0).abs() <= 1e-12);
-        assert_eq!(of("compare/delta_e00/max"), None);
+        assert_eq!((of("compare/delta_e00/max"), of("thrown-again")), (None, None));
+        for (keys, times) in [(json!([]), 1.0), (json!([380.0, 500.0, 780.0]), 3.0)] {
+            let render = json!({ "photon_map": { "keys_nm": keys, "dispersed_paths": 2000 } });
+            assert_eq!(figure("thrown-again").counterpart(&render, None), Some(2000.0 * times));
+        }
         assert_eq!(figure("compare/delta_e00/max").counterpart(&render, None), None);
     }
 
