@@ -327,7 +327,8 @@ fn interpolated_photons_are_those_that_are_traced() {
             let of = |renderer| render(&scene, &Options { renderer, ..settings }, &|_| {}).unwrap();
             let [whole, direct] = [Renderer::PhotonMap, Renderer::Whitted].map(of);
             let keys = whole.photons.unwrap().keys.len();
-            assert!((keys > 1) == (rethrow == Rethrow::Interpolated), "{name}: {keys}");
+            // Through the sphere one wavelength says where light of all lands.
+            assert!((keys > 1) == (rethrow == Rethrow::Interpolated && name == "prism"), "{name}: {keys}");
             let pairs = whole.picture.pixels().iter().zip(direct.picture.pixels());
             pairs.map(|(a, b)| core::array::from_fn(|c| f64::from(a[c]) - f64::from(b[c]))).collect::<Vec<[f64; 3]>>()
         };

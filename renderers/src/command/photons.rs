@@ -70,7 +70,7 @@ enum Bundle {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum Rethrow {
-    /// By one search, between a few wavelengths at which all are traced.
+    /// By one search, along ways known from one wavelength, or between a few at which all are traced.
     Interpolated,
     /// Traced for every band that a pixel asks for.
     Traced,

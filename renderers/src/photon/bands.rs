@@ -8,9 +8,11 @@ use std::sync::{Mutex, OnceLock};
 
 use super::curves::{Curves, Source};
 use super::footprints::{Footprint, Footprints};
+use super::lines;
 use super::map::Region;
-use super::motion::Motion;
-use super::{Emission, Photon, PhotonMap, Spectra};
+use super::motion::{Motion, Moving};
+use super::trace::place_of;
+use super::{Drifting, Emission, Photon, PhotonMap, Spectra};
 use crate::spectral::Band;
 
 /// The photons of one band, for reports.
@@ -37,12 +39,12 @@ pub(super) struct Thrown {
     /// How far they count where they are in the map.
     pub(super) footprints: Footprints,
     /// How photons move with the wavelength, if that is known: those of the map, and of another the parts of their ways where these have no photon.
-    moving: Option<Box<Moving>>,
+    moving: Option<Box<Ways>>,
 }
 
 /// How the photons of a map move (until it is said how far they count), and others that do.
 #[derive(Debug)]
-struct Moving {
+struct Ways {
     motions: Vec<Motion>,
     others: PhotonMap,
     of_others: Vec<Motion>,
@@ -77,15 +79,39 @@ impl Thrown {
         let limits = limits.map(|wavelength| curves.between(wavelength));
         let third = |(source, _): &(Source, f32)| u8::from(source.at >= limits[0]) + u8::from(source.at >= limits[1]);
         let thirds = placed.iter().map(third).collect();
-        let mut rest = (Vec::new(), Vec::new());
+        let mut rest = Moving::default();
         let motions = curves.moving(&placed, &mut rest);
         // Ends of ways without a photon of their own, at other keys than that.
         curves.others(&wavelength_of, PARTS * usual, &mut rest);
+        thrown.with_ways(motions, rest, thirds, curves.steps());
+        thrown
+    }
+
+    /// The same of photons whose ways are known from one wavelength each.
+    #[allow(clippy::cast_possible_truncation, reason = "as precise as their ways")]
+    pub(super) fn drifting(
+        pieces: &[Vec<Drifting>],
+        limits: [f64; 2],
+        spectra: Arc<Spectra>,
+        emission: &Emission<'_>,
+    ) -> Self {
+        let (photons, ways) = lines::parted(pieces);
+        let mut thrown = Self::new(photons, spectra, emission);
+        let mut rest = Moving::default();
+        let motions = lines::cut(&thrown.map, &ways, PARTS, &mut rest);
+        let limits = limits.map(|wavelength| place_of(wavelength) as f32);
+        let third = |motion: &Motion| u8::from(motion.at >= limits[0]) + u8::from(motion.at >= limits[1]);
+        let thirds = motions.iter().map(third).collect();
+        thrown.with_ways(motions, rest, thirds, 1);
+        thrown
+    }
+
+    /// Says how its photons move, and others, in at least so many steps.
+    fn with_ways(&mut self, motions: Vec<Motion>, rest: Moving, thirds: Vec<u8>, steps: u16) {
         let others = PhotonMap::new(rest.0);
         let of_others = others.origins().iter().filter_map(|origin| rest.1.get(*origin as usize).copied()).collect();
-        let (footprints, steps) = (Default::default(), curves.steps());
-        thrown.moving = Some(Box::new(Moving { motions, others, of_others, footprints, thirds, steps }));
-        thrown
+        let footprints = Default::default();
+        self.moving = Some(Box::new(Ways { motions, others, of_others, footprints, thirds, steps }));
     }
 
     /// The same, with how far photons count: for each leaf of the map. Parts of ways count as far as the photons do that are there; where there are
@@ -93,7 +119,7 @@ impl Thrown {
     pub(super) fn spread(self, radii: Vec<Footprint>, alone: Footprint) -> Self {
         let Self { map, moving, .. } = &self;
         let still = || Footprints::new(map, radii.clone(), None);
-        let Some(Moving { motions, others, of_others, steps, .. }) = moving.as_deref() else {
+        let Some(Ways { motions, others, of_others, steps, .. }) = moving.as_deref() else {
             return Self { footprints: still(), ..self };
         };
         let (footprints, own) = rayon::join(still, || Footprints::new(map, radii.clone(), Some((motions, *steps))));
@@ -103,8 +129,8 @@ impl Thrown {
         };
         let radii = others.leaves_photons().map(|numbers| radius(numbers).unwrap_or(alone)).collect();
         let rest = Footprints::new(others, radii, Some((of_others, *steps)));
-        let known = |moving: Box<Moving>| {
-            Box::new(Moving { motions: Vec::new(), of_others: Vec::new(), footprints: [own, rest], ..*moving })
+        let known = |moving: Box<Ways>| {
+            Box::new(Ways { motions: Vec::new(), of_others: Vec::new(), footprints: [own, rest], ..*moving })
         };
         Self { footprints, moving: self.moving.map(known), ..self }
     }
@@ -156,7 +182,7 @@ impl Thrown {
     }
 }
 
-impl Moving {
+impl Ways {
     fn bytes(&self) -> usize {
         let motions = size_of_val(self.motions.as_slice()) + size_of_val(self.of_others.as_slice());
         let footprints: usize = self.footprints.iter().map(Footprints::bytes).sum();

@@ -10,14 +10,8 @@ use core::cmp::Ordering;
 
 use rayon::prelude::*;
 
-use super::motion::Motion;
+use super::motion::{self, Motion, Moving};
 use super::{Photon, Scattered};
-
-/// The most parts that a way between two keys is cut into.
-const MOST_PARTS: f32 = 8.0;
-
-/// Ways that a thread looks at together.
-const TOGETHER: usize = 4096;
 
 /// Photons at wavelengths between keys.
 #[derive(Clone, Debug, Default)]
@@ -103,27 +97,17 @@ impl Curves {
     }
 
     /// How photons move about where they were placed, and the rest of their ways between two keys: no part is longer than a distance in scene units for each,
-    /// unless there would be more than [`MOST_PARTS`].
-    pub(crate) fn moving(&self, placed: &[(Source, f32)], rest: &mut (Vec<Photon>, Vec<Motion>)) -> Vec<Motion> {
-        let some = |placed: &[(Source, f32)]| {
-            let mut rest = (Vec::new(), Vec::new());
-            let own = placed.iter().map(|(from, longest)| self.parts(*from, *longest, &mut rest));
-            (own.collect::<Vec<_>>(), rest)
+    /// unless there would be more than eight.
+    pub(crate) fn moving(&self, placed: &[(Source, f32)], rest: &mut Moving) -> Vec<Motion> {
+        let parts = |number: usize, rest: &mut Moving| {
+            let (from, longest) = placed[number];
+            self.parts(from, longest, rest)
         };
-        let pieces: Vec<_> = placed.par_chunks(TOGETHER).map(some).collect();
-        let mut motions = Vec::with_capacity(placed.len());
-        rest.0.reserve(pieces.iter().map(|(_, rest)| rest.0.len()).sum());
-        rest.1.reserve(pieces.iter().map(|(_, rest)| rest.1.len()).sum());
-        for (own, more) in pieces {
-            motions.extend(own);
-            rest.0.extend(more.0);
-            rest.1.extend(more.1);
-        }
-        motions
+        motion::cut(placed.len(), parts, rest)
     }
 
     /// How a photon moves about where it was placed, and the rest of its way.
-    fn parts(&self, from: Source, longest: f32, rest: &mut (Vec<Photon>, Vec<Motion>)) -> Motion {
+    fn parts(&self, from: Source, longest: f32, rest: &mut Moving) -> Motion {
         let limits = self.limits_of(from.stretch);
         let stretch = self.stretches.get(from.stretch as usize);
         let piece = stretch.and_then(|stretch| stretch.photons.get(from.piece as usize));
@@ -142,12 +126,7 @@ impl Curves {
     }
 
     /// All ways between two keys of which no photon was placed: with those and the rest of theirs, each photon is there once at every wavelength.
-    pub(crate) fn others(
-        &self,
-        wavelength_of: impl Fn(u32) -> f64,
-        longest: f32,
-        rest: &mut (Vec<Photon>, Vec<Motion>),
-    ) {
+    pub(crate) fn others(&self, wavelength_of: impl Fn(u32) -> f64, longest: f32, rest: &mut Moving) {
         for (number, stretch) in (0..).zip(&self.stretches) {
             let limits = self.limits_of(number);
             for tween in stretch.photons.iter().flatten() {
@@ -223,40 +202,23 @@ impl Tween {
     }
 
     /// Adds a part to others, with the photon in its middle.
-    fn add(&self, [from, to]: [f64; 2], stretch: [f64; 2], motion: Motion, others: &mut (Vec<Photon>, Vec<Motion>)) {
+    fn add(&self, [from, to]: [f64; 2], stretch: [f64; 2], motion: Motion, others: &mut Moving) {
         let at = f64::midpoint(from, to);
         others.0.push(self.photon(stretch, at));
         others.1.push(motion.about(at));
     }
 
     /// Calls with the parts of its way: from where to where each goes, and how the photon moves.
-    #[allow(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "photons are kept in f32, and there are few parts"
-    )]
-    fn parts(&self, stretch: [f64; 2], longest: f32, mut call: impl FnMut([f64; 2], Motion)) {
+    #[allow(clippy::cast_possible_truncation, reason = "photons are kept in f32")]
+    fn parts(&self, stretch: [f64; 2], longest: f32, call: impl FnMut([f64; 2], Motion)) {
         let [from, to] = self.limits(stretch);
-        let width = to - from;
-        let mut parts = 1;
+        let width = (to - from) as f32;
         let mut motion = Motion::default();
         if let Ends::Both([first, last]) = &self.ends {
-            let way: [f32; 3] = core::array::from_fn(|i| last.position[i] - first.position[i]);
-            let length = glam::Vec3A::from_array(way).length();
-            // Ends of parts are ends of steps.
-            parts = if length > longest {
-                ((length / longest).ceil().min(MOST_PARTS) as u16).next_power_of_two()
-            } else {
-                1
-            };
-            motion.position = way.map(|x| x / width as f32);
-            motion.flux = (last.flux - first.flux) / width as f32;
+            motion.position = core::array::from_fn(|i| (last.position[i] - first.position[i]) / width);
+            motion.flux = (last.flux - first.flux) / width;
         }
-        let limit = |part: u16| if part == parts { to } else { from + width * f64::from(part) / f64::from(parts) };
-        for part in 0..parts {
-            let limits = [limit(part), limit(part + 1)];
-            call(limits, Motion { limits: limits.map(|limit| limit as f32), ..motion });
-        }
+        motion.parts([from, to], longest, call);
     }
 }
 
@@ -344,15 +306,39 @@ fn tweens(first: &[Scattered], last: &[Scattered]) -> Vec<Tween> {
     photons
 }
 
-/// How well photons are interpolated.
+/// How well it is known where photons land.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-struct Misfit {
-    /// The distance that nine of ten photons in the middle of a stretch are not farther than from where they are thought to be.
+pub(super) struct Misfit {
+    /// The distance that nine of ten photons are not farther than from where they are thought to be.
     distance: f32,
-    /// The share of the flux there that corresponds to nothing.
+    /// The share of the flux that corresponds to nothing.
     strange: f32,
-    /// How much the other fluxes there differ from what they are thought to be, relative to themselves.
+    /// How much the other fluxes differ from what they are thought to be, relative to themselves.
     change: f32,
+}
+
+impl Misfit {
+    /// Compares photons that were thrown with what is thought of them.
+    pub(super) fn of(thought: &[Scattered], thrown: &[Scattered]) -> Self {
+        let (mut distances, mut strange, mut total) = (Vec::new(), 0.0, 0.0);
+        pair_up(thought, thrown, |thought, thrown| {
+            total += thrown.map_or(0.0, |s| s.photon.flux);
+            match (thought, thrown) {
+                (Some(a), Some(b)) => {
+                    let [a, b] = [a, b].map(|s| glam::Vec3A::from_array(s.photon.position));
+                    distances.push(a.distance(b));
+                }
+                (one, other) => strange += one.or(other).map_or(0.0, |s| s.photon.flux),
+            }
+        });
+        let strange = if total > 0.0 { strange / total } else { 0.0 };
+        Self { distance: of_nine_in_ten(&mut distances), strange, change: change(thought, thrown) }
+    }
+
+    /// Whether photons may be found where they are thought to be: nine of ten within a distance, and their fluxes.
+    pub(super) fn is_within(&self, distance: f32) -> bool {
+        self.distance <= distance && self.strange <= STRANGE && self.change <= CHANGE
+    }
 }
 
 /// Compares photons that were thrown in the middle of a stretch with what its ends say.
@@ -365,19 +351,7 @@ fn misfit([first, middle, last]: [&[Scattered]; 3]) -> Misfit {
             thought.push(Scattered { photon, ..*a });
         }
     });
-    let (mut distances, mut strange, mut total) = (Vec::new(), 0.0, 0.0);
-    pair_up(&thought, middle, |thought, thrown| {
-        total += thrown.map_or(0.0, |s| s.photon.flux);
-        match (thought, thrown) {
-            (Some(a), Some(b)) => {
-                let [a, b] = [a, b].map(|s| glam::Vec3A::from_array(s.photon.position));
-                distances.push(a.distance(b));
-            }
-            (one, other) => strange += one.or(other).map_or(0.0, |s| s.photon.flux),
-        }
-    });
-    let strange = if total > 0.0 { strange / total } else { 0.0 };
-    Misfit { distance: of_nine_in_ten(&mut distances), strange, change: change(&thought, middle) }
+    Misfit::of(&thought, middle)
 }
 
 /// How much the fluxes differ of photons that correspond to each other, relative to themselves: the sum of all differences.
@@ -447,8 +421,7 @@ fn halve(
     let wavelength = middle(first.0, last.0);
     let between = (wavelength, throw(wavelength));
     let misfit = misfit([&first.1, &between.1, &last.1]);
-    let fits = misfit.distance <= distance && misfit.strange <= STRANGE && misfit.change <= CHANGE;
-    if halvings == 0 || fits {
+    if halvings == 0 || misfit.is_within(distance) {
         keys.push(last.0);
         return;
     }

@@ -6,17 +6,17 @@ use super::account::Account;
 use super::aim::Lamp;
 use super::beam::{Attempt, Beam};
 use super::points::Points;
-use super::products::Products;
+use super::products::{Products, Renumbered};
 use super::target::Target;
-use super::trace::{Limits, Prefix, Start, Surroundings, Walk};
-use super::{Photon, Scattered, Spectra};
+use super::trace::{Landing, Limits, Prefix, Start, Surroundings, Walk};
+use super::{Drifting, Photon, Scattered, Spectra};
 use crate::material::Material;
 use crate::scene::Scene;
 use crate::spectral::{Factor, Palette, Tabulated, Y_INTEGRAL};
 use crate::whitted::Whitted;
 
 /// Attempts, or paths thrown, that are one piece of work.
-const CHUNK: u32 = 8192;
+const CHUNK: u32 = 2048;
 const THROWN: usize = 2048;
 
 /// Attempts by which it is found how much photons and paths there will be.
@@ -48,22 +48,52 @@ pub(crate) struct Emitted {
     pub(crate) photons: Vec<Photon>,
     /// Paths up to the first such boundary; each one's number is its place here.
     pub(crate) prefixes: Vec<Prefix>,
-    /// The products of both.
+    /// In the place of these, if they were asked for: their photons, in pieces, and how many paths there were.
+    pub(crate) drifting: Vec<Vec<Drifting>>,
+    pub(crate) drifted: usize,
+    /// The products of all.
     pub(crate) spectra: Spectra,
     pub(crate) account: Account,
 }
 
+/// At which wavelength in nm a path goes on, by its number.
+pub(super) type WavelengthOf<'f> = &'f (dyn Fn(u32) -> f64 + Sync);
+
+/// What comes of some attempts.
+#[derive(Debug)]
+struct Run<'s> {
+    walk: Walk<'s, Photon>,
+    /// The same paths behind the first boundary where wavelengths part, if they go on there, and how many do.
+    onward: Walk<'s, Drifting>,
+    drifted: usize,
+}
+
+impl Run<'_> {
+    /// Lets all paths go on that wait.
+    fn go_on(&mut self, wavelength_of: WavelengthOf<'_>) {
+        let Self { walk, onward, drifted } = self;
+        core::mem::swap(&mut walk.products, &mut onward.products);
+        for prefix in walk.prefixes.drain(..) {
+            onward.throw(&prefix, wavelength_of(prefix.number()));
+            *drifted += 1;
+        }
+        core::mem::swap(&mut walk.products, &mut onward.products);
+    }
+}
+
 /// Photons thrown again, and what became of the rest.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct Thrown {
+#[derive(Clone, Debug)]
+pub(crate) struct Thrown<L = Scattered> {
     /// Photons of as many paths each, whatever the wavelength.
-    pub(crate) pieces: Vec<Vec<Scattered>>,
+    pub(crate) pieces: Vec<Vec<L>>,
+    /// Whether all flux is accounted for is asked by tests alone.
+    #[cfg_attr(not(test), allow(dead_code))]
     pub(crate) account: Account,
 }
 
-impl Thrown {
+impl<L: Clone> Thrown<L> {
     /// All photons, in order.
-    pub(crate) fn photons(&self) -> Vec<Scattered> {
+    pub(crate) fn photons(&self) -> Vec<L> {
         self.pieces.concat()
     }
 }
@@ -116,7 +146,7 @@ impl<'s> Emission<'s> {
         let shares = self.shares();
         let yields = self.beams.iter().zip(&shares).zip(0..).map(|((beam, share), number)| {
             let task = Task { beam: number, first: 0, count: SAMPLE, of: SAMPLE };
-            let walk: Walk<'_, Photon> = self.run(beam, task, SAMPLING);
+            let walk = self.run(beam, task, SAMPLING, None).walk;
             let met = count(walk.account.sent).max(1.0);
             [walk.landed.len(), walk.prefixes.len()].map(|found| share * length(found) / met)
         });
@@ -177,23 +207,45 @@ impl<'s> Emission<'s> {
     }
 
     /// Emits photons of which about `count` meet mirrors or glass: each beam has as many as is its part of the flux. All the scene's
-    /// light is in each pass; passes are independent (the three highest numbers are taken). The result doesn't depend on the number of threads.
+    /// light is in each pass; passes are independent (the four highest numbers are taken). The result doesn't depend on the number of threads.
     pub(crate) fn emit(&self, count: u64, pass: u32, progress: &(dyn Fn(u64) + Sync)) -> Emitted {
+        self.emit_all((count, pass), None, progress)
+    }
+
+    /// The same, and paths go on where wavelengths part, each at one: it is known of their photons how they move with it.
+    pub(super) fn emit_drifting(
+        &self,
+        count: u64,
+        pass: u32,
+        wavelength_of: WavelengthOf<'_>,
+        progress: &(dyn Fn(u64) + Sync),
+    ) -> Emitted {
+        self.emit_all((count, pass), Some(wavelength_of), progress)
+    }
+
+    fn emit_all(
+        &self,
+        (count, pass): (u64, u32),
+        wavelength_of: Option<WavelengthOf<'_>>,
+        progress: &(dyn Fn(u64) + Sync),
+    ) -> Emitted {
         let tasks = self.tasks(count);
-        let walks: Vec<Walk<'_, Photon>> = tasks
+        let runs: Vec<Run<'_>> = tasks
             .par_iter()
             .filter_map(|task| {
-                let walk = self.run(self.beams.get(task.beam as usize)?, *task, pass);
+                let run = self.run(self.beams.get(task.beam as usize)?, *task, pass, wavelength_of);
                 progress(u64::from(task.count));
-                Some(walk)
+                Some(run)
             })
             .collect();
         let mut emitted = Emitted::default();
-        emitted.photons.reserve_exact(walks.iter().map(|walk| walk.landed.len()).sum());
-        emitted.prefixes.reserve_exact(walks.iter().map(|walk| walk.prefixes.len()).sum());
-        for walk in walks {
+        emitted.photons.reserve_exact(runs.iter().map(|run| run.walk.landed.len()).sum());
+        emitted.prefixes.reserve_exact(runs.iter().map(|run| run.walk.prefixes.len()).sum());
+        let mut drifting = Vec::with_capacity(runs.len());
+        for Run { walk, onward, drifted } in runs {
             let numbers = walk.products.into_spectra(&mut emitted.spectra);
             emitted.account.add(&walk.account);
+            emitted.drifted += drifted;
             for photon in walk.landed {
                 emitted.photons.push(Photon { spectrum: numbers.number(photon.spectrum), ..photon });
             }
@@ -202,7 +254,9 @@ impl<'s> Emission<'s> {
                 prefix.product = numbers.number(prefix.product);
                 emitted.prefixes.push(prefix);
             }
+            drifting.push((numbers, onward.landed));
         }
+        emitted.drifting = drifting.into_par_iter().map(|(numbers, landed)| renumbered(landed, &numbers)).collect();
         emitted
     }
 
@@ -229,11 +283,16 @@ impl<'s> Emission<'s> {
     }
 
     /// One piece of work.
-    fn run(&self, beam: &Beam, task: Task, pass: u32) -> Walk<'_, Photon> {
+    fn run(&self, beam: &Beam, task: Task, pass: u32, wavelength_of: Option<WavelengthOf<'_>>) -> Run<'_> {
         let around = self.around();
-        let mut walk = Walk::new(around, Products::of(&Spectra::default()));
+        let none = || Products::of(&Spectra::default());
+        let mut run = Run { walk: Walk::new(around, none()), onward: Walk::new(around, none()), drifted: 0 };
+        if wavelength_of.is_some() {
+            run.onward.landed.reserve(task.count as usize);
+        }
+        let walk = &mut run.walk;
         let target = self.targets.get(beam.shape as usize).and_then(Option::as_ref);
-        let (Some(lamp), Some(target)) = (self.lamp(beam.light as usize), target) else { return walk };
+        let (Some(lamp), Some(target)) = (self.lamp(beam.light as usize), target) else { return run };
         let factor = lamp.light.factor();
         let product = walk.products.times(0, factor.leaf);
         let mean = around.mean(factor);
@@ -242,15 +301,16 @@ impl<'s> Emission<'s> {
         for index in task.first..task.first + task.count {
             match beam.attempt((lamp, target), &around, points, index) {
                 Attempt::None => {}
-                Attempt::Missed => walk.account.rays += 1,
+                Attempt::Missed => run.walk.account.rays += 1,
                 Attempt::Met(aim, hit) => {
-                    walk.account.rays += 1;
+                    run.walk.account.rays += 1;
                     let flux = aim.flux * factor.scale / f64::from(task.of);
-                    walk.emitted(Start { points, index, flux, luminous: flux * mean, product }, aim.ray, &hit);
+                    run.walk.emitted(Start { points, index, flux, luminous: flux * mean, product }, aim.ray, &hit);
+                    wavelength_of.into_iter().for_each(|wavelength_of| run.go_on(wavelength_of));
                 }
             }
         }
-        walk
+        run
     }
 
     /// Follows paths again from the first boundary where wavelengths part, each at a wavelength in nm; new products are added to those of
@@ -264,33 +324,55 @@ impl<'s> Emission<'s> {
         wavelength_of: impl Fn(usize) -> f64 + Sync,
         spectra: &mut Spectra,
     ) -> Thrown {
+        self.throw_again(prefixes, wavelength_of, spectra)
+    }
+
+    /// The same with how photons move with the wavelength.
+    pub(crate) fn throw_drifting(
+        &self,
+        prefixes: &[Prefix],
+        wavelength_of: impl Fn(usize) -> f64 + Sync,
+        spectra: &mut Spectra,
+    ) -> Thrown<Drifting> {
+        self.throw_again(prefixes, wavelength_of, spectra)
+    }
+
+    fn throw_again<L: Landing + Send + AsRef<Scattered> + AsMut<Scattered>>(
+        &self,
+        prefixes: &[Prefix],
+        wavelength_of: impl Fn(usize) -> f64 + Sync,
+        spectra: &mut Spectra,
+    ) -> Thrown<L> {
         let products = Products::of(spectra);
-        let walks: Vec<Walk<'_, Scattered>> = prefixes
+        let walks: Vec<Walk<'_, L>> = prefixes
             .par_chunks(THROWN)
             .enumerate()
             .map(|(chunk, prefixes)| {
-                let mut walk: Walk<'_, Scattered> = Walk::new(self.around(), products.clone());
+                let mut walk: Walk<'_, L> = Walk::new(self.around(), products.clone());
                 for (number, prefix) in prefixes.iter().enumerate() {
                     walk.throw(prefix, wavelength_of(chunk * THROWN + number));
                 }
-                for own in walk.landed.chunk_by_mut(|a, b| a.path == b.path) {
-                    own.sort_by_key(|photon| photon.branch);
+                for own in walk.landed.chunk_by_mut(|a, b| a.as_ref().path == b.as_ref().path) {
+                    own.sort_by_key(|photon| photon.as_ref().branch);
                 }
                 walk
             })
             .collect();
-        let mut thrown = Thrown::default();
-        let number = |walk: Walk<'_, Scattered>| {
-            thrown.account.add(&walk.account);
+        let mut account = Account::default();
+        let number = |walk: Walk<'_, L>| {
+            account.add(&walk.account);
             (walk.products.into_spectra(spectra), walk.landed)
         };
         let numbered: Vec<_> = walks.into_iter().map(number).collect();
-        let landed = numbered.into_par_iter().map(|(numbers, mut landed)| {
-            landed.iter_mut().for_each(|s| s.photon.spectrum = numbers.number(s.photon.spectrum));
-            landed
-        });
-        Thrown { pieces: landed.collect(), ..thrown }
+        let landed = numbered.into_par_iter().map(|(numbers, landed)| renumbered(landed, &numbers));
+        Thrown { pieces: landed.collect(), account }
     }
+}
+
+/// Photons with the numbers that their spectra have among all.
+fn renumbered<L: AsMut<Scattered>>(mut landed: Vec<L>, numbers: &Renumbered) -> Vec<L> {
+    landed.iter_mut().map(L::as_mut).for_each(|s| s.photon.spectrum = numbers.number(s.photon.spectrum));
+    landed
 }
 
 /// Attempts of a beam.

@@ -10,6 +10,7 @@ use super::bands::{BandReport, Bands, Slot, Thrown};
 use super::curves::{self, Curves};
 use super::density::region_of;
 use super::footprints::{Footprint, LEAVES, evened};
+use super::lines;
 use super::map::Region;
 use super::passing::Wanted;
 use super::reached::Reached;
@@ -28,7 +29,8 @@ use spectral_core::interval::{FIRST_WAVELENGTH, LAST_WAVELENGTH};
 /// How photons that depend on the wavelength are thrown for a band.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Rethrow {
-    /// They are not: all are traced at a few wavelengths, the more the more they bend, and found at all others by one search.
+    /// They are not: each is traced at one wavelength with its derivatives, or, where these say too little, all at a few, the more the more they bend; they
+    /// are found at all others by one search.
     #[default]
     Interpolated,
     /// All are traced for every band, as Iehl and Péroche have it.
@@ -46,6 +48,8 @@ pub(crate) struct Maps<'s> {
     waves: Waves,
     even: Thrown,
     prefixes: Vec<Prefix>,
+    /// How many paths depend on the wavelength.
+    dispersed: usize,
     curves: Option<Interpolated>,
     /// About the radius of an estimate where there are photons, in scene units.
     usual: f32,
@@ -98,31 +102,42 @@ const PROBED: usize = 512;
 const CHANGE: f64 = 0.02;
 
 /// How far, relative to the radius of an estimate, photons may be from where they are thought to be.
-const NEAR: f32 = 0.1;
+pub(super) const NEAR: f32 = 0.1;
 
 /// Light is taken to differ between the thirds of all waves by this part of itself at least.
 const EVEN: f64 = 0.1;
 
 impl<'s> Maps<'s> {
-    /// Makes the maps that are certain to be asked for, of photons that were emitted.
+    /// Makes the maps that are certain to be asked for, of so many photons that meet mirrors or glass.
+    ///
+    /// Where it is known from one wavelength how photons move, paths are followed to their end at once; otherwise they are thrown again, behind the
+    /// first boundary where wavelengths part.
     pub(crate) fn new(
         (data, scene): (&Scene, &'s Whitted),
         emission: &'s Emission<'s>,
-        emitted: Emitted,
+        (count, pass, progress): (u64, u32, &(dyn Fn(u64) + Sync)),
         (density, shrink): (Density, f32),
         (bundle, rethrow): (Bundle, Rethrow),
     ) -> Self {
-        let Emitted { photons, prefixes, spectra, account } = emitted;
+        let waves = Waves::new(bundle);
+        let are_bands_asked = rethrow == Rethrow::Traced || !waves.is_continuous();
+        let lines = if are_bands_asked { None } else { lines::usual_radius(emission, count, &density, &waves) };
+        let emitted = match lines {
+            None => emission.emit(count, pass, progress),
+            Some(_) => emission.emit_drifting(count, pass, &|number| waves.spread(WHOLE, number), progress),
+        };
+        let Emitted { photons, prefixes, drifting, drifted, spectra, account } = emitted;
         let mut maps = Self {
             scene,
             extents: Extents::new(data.shapes.iter().map(|shape| &shape.geometry)),
             density,
             shrink,
-            waves: Waves::new(bundle),
+            waves,
             even: Thrown::new(photons, Arc::new(spectra), emission),
+            dispersed: drifted + prefixes.len(),
             prefixes,
             curves: None,
-            usual: 0.0,
+            usual: lines.unwrap_or(0.0),
             shift: 0.0,
             steepest: 0.0,
             reached: Reached::default(),
@@ -134,9 +149,13 @@ impl<'s> Maps<'s> {
         };
         let radii = maps.radii(&maps.even);
         maps.even = core::mem::take(&mut maps.even).spread(radii, maps.alone());
+        if drifted > 0 {
+            let spectra = Arc::clone(&maps.even.spectra);
+            let thrown = Thrown::drifting(&drifting, maps.waves.thirds(WHOLE), spectra, emission);
+            maps.know_whole(thrown);
+        }
         if !maps.prefixes.is_empty() {
             maps.usual = maps.usual_radius();
-            let are_bands_asked = rethrow == Rethrow::Traced || !maps.waves.is_continuous();
             if are_bands_asked {
                 maps.shift = maps.shift();
                 (maps.steepest, maps.reached) = maps.probe();
@@ -144,15 +163,20 @@ impl<'s> Maps<'s> {
             if rethrow == Rethrow::Interpolated {
                 maps.curves = Some(maps.interpolated(NEAR * maps.usual));
             }
-            let whole = maps.bands.get(WHOLE);
-            whole.thrown(|band| maps.spread(maps.throw(band)));
-            maps.whole = Some(whole);
+            maps.know_whole(maps.throw(WHOLE));
             if !are_bands_asked && let Some(known) = &mut maps.curves {
                 // All is in the map.
                 known.curves = Curves::default();
             }
         }
         maps
+    }
+
+    /// Keeps the map for all waves.
+    fn know_whole(&mut self, thrown: Thrown) {
+        let whole = self.bands.get(WHOLE);
+        whole.thrown(|_| self.spread(thrown));
+        self.whole = Some(whole);
     }
 
     /// About so many of the paths, thrown at a wavelength.
@@ -222,12 +246,8 @@ impl<'s> Maps<'s> {
     fn usual_radius(&self) -> f32 {
         let some = self.tried(TRIED, WHOLE.wavelength);
         let map = PhotonMap::new(some.into_iter().map(|s| s.photon).collect());
-        self.density.usual_radius(&map) / (self.stride() as f32).sqrt()
-    }
-
-    /// One path in so many is tried.
-    fn stride(&self) -> usize {
-        self.prefixes.len().div_ceil(TRIED).max(1)
+        let stride = self.prefixes.len().div_ceil(TRIED).max(1);
+        self.density.usual_radius(&map) / (stride as f32).sqrt()
     }
 
     /// How far photons count about a hit whose ways depend on the wavelength.
@@ -425,14 +445,14 @@ impl<'s> Maps<'s> {
         self.bands.used()
     }
 
-    /// The wavelengths in nm between which photons are interpolated.
+    /// The wavelengths in nm between which photons are interpolated; none if each path was followed at one.
     pub(crate) fn keys(&self) -> &[f64] {
         self.curves.as_ref().map_or(&[], |curves| &curves.keys)
     }
 
     /// Photons that met mirrors or glass; those kept whose way was the same for all waves; paths that depend on the wavelength.
     pub(crate) fn counts(&self) -> (u64, usize, usize) {
-        (self.sent, self.even.map.len(), self.prefixes.len())
+        (self.sent, self.even.map.len(), self.dispersed)
     }
 
     /// What became of the light.

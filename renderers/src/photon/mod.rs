@@ -2,8 +2,8 @@
 //!
 //! Photons are traced from the lights towards mirrors and glass, and kept where they meet a surface that scatters: paths L S⁺ D. Until a path
 //! meets a medium in which light behaves differently by wavelength, it stands for the whole spectrum, as a product of spectra. Behind such a
-//! medium it is thrown at a few wavelengths, between which it is found at all of them (or, if asked for, thrown again for each interval that a
-//! pixel asks for). Each photon counts within a radius of its own, so that all of its light is there once.
+//! medium it goes on at a wavelength of its own, with derivatives that say where it would be at all others; or, where these say too little, it is thrown at
+//! a few wavelengths, between which it is found (or, if asked for, thrown again for each interval that a pixel asks for). Each photon counts within a radius of its own, so that all of its light is there once.
 
 mod account;
 mod aim;
@@ -11,12 +11,14 @@ mod bands;
 mod beam;
 mod curves;
 mod density;
+mod differential;
 mod emission;
 mod extent;
 mod footprints;
 mod gather;
 mod global;
 mod kernel;
+mod lines;
 mod map;
 mod maps;
 mod motion;
@@ -46,6 +48,7 @@ pub use kernel::Kernel;
 pub(crate) use map::PhotonMap;
 pub(crate) use maps::Maps;
 pub use maps::Rethrow;
+use motion::Line;
 pub(crate) use passing::Passed;
 pub(crate) use shades::Shades;
 pub(crate) use spectra::Spectra;
@@ -81,6 +84,37 @@ pub(crate) struct Scattered {
     pub(crate) path: u32,
     /// Which reflections and refractions it took: photons of one path and the same branch, at different wavelengths, correspond to each other.
     pub(crate) branch: u32,
+}
+
+/// A photon that was thrown at a wavelength, and how it moves from there.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Drifting {
+    pub(crate) scattered: Scattered,
+    pub(crate) line: Line,
+}
+
+impl AsRef<Self> for Scattered {
+    fn as_ref(&self) -> &Self {
+        self
+    }
+}
+
+impl AsMut<Self> for Scattered {
+    fn as_mut(&mut self) -> &mut Self {
+        self
+    }
+}
+
+impl AsRef<Scattered> for Drifting {
+    fn as_ref(&self) -> &Scattered {
+        &self.scattered
+    }
+}
+
+impl AsMut<Scattered> for Drifting {
+    fn as_mut(&mut self) -> &mut Scattered {
+        &mut self.scattered
+    }
 }
 
 #[cfg(test)]

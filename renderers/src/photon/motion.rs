@@ -1,6 +1,14 @@
 //! How photons move with the wavelength.
 
+use rayon::prelude::*;
+
 use super::Photon;
+
+/// Ways that a thread looks at together.
+const TOGETHER: usize = 4096;
+
+/// The most parts that a way is cut into.
+const MOST_PARTS: f32 = 8.0;
 
 /// How a photon moves with the wavelength: on a straight line, in proportion to 1/λ², from which the place between the first key (0) and the last (1)
 /// is told.
@@ -14,11 +22,79 @@ pub(crate) struct Motion {
     pub(super) limits: [f32; 2],
 }
 
+/// The same from the first wavelength to the last, of a photon that was thrown somewhere between.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Line {
+    pub(super) position: [f32; 3],
+    pub(super) flux: f32,
+    pub(super) at: f32,
+}
+
+impl Line {
+    /// The whole of it.
+    pub(super) const fn motion(self) -> Motion {
+        let Self { position, flux, at } = self;
+        Motion { position, flux, at, limits: [0.0, 1.0] }
+    }
+
+    /// The photon somewhere else on it.
+    pub(super) fn moved(&self, photon: &Photon, to: f32) -> Photon {
+        let by = to - self.at;
+        Photon {
+            position: core::array::from_fn(|i| photon.position[i] + by * self.position[i]),
+            flux: photon.flux + by * self.flux,
+            ..*photon
+        }
+    }
+}
+
+/// Photons that move, and how.
+pub(super) type Moving = (Vec<Photon>, Vec<Motion>);
+
+/// How so many photons move about where they are, for what says it of one by its number and adds the rest of its way to others.
+pub(super) fn cut(count: usize, parts: impl Fn(usize, &mut Moving) -> Motion + Sync, rest: &mut Moving) -> Vec<Motion> {
+    let some = |piece: usize| {
+        let numbers = piece * TOGETHER..count.min((piece + 1) * TOGETHER);
+        let mut rest = Moving::default();
+        (numbers.map(|number| parts(number, &mut rest)).collect::<Vec<_>>(), rest)
+    };
+    let pieces: Vec<_> = (0..count.div_ceil(TOGETHER)).into_par_iter().map(some).collect();
+    let mut motions = Vec::with_capacity(count);
+    rest.0.reserve(pieces.iter().map(|(_, rest)| rest.0.len()).sum());
+    rest.1.reserve(pieces.iter().map(|(_, rest)| rest.1.len()).sum());
+    for (own, more) in pieces {
+        motions.extend(own);
+        rest.0.extend(more.0);
+        rest.1.extend(more.1);
+    }
+    motions
+}
+
 impl Motion {
     /// The same of the photon somewhere else.
     #[allow(clippy::cast_possible_truncation, reason = "photons are kept in f32")]
     pub(super) const fn about(self, at: f64) -> Self {
         Self { at: at as f32, ..self }
+    }
+
+    /// Calls with the parts of the way from one place to another, none longer than a distance in scene units, unless there would be more than
+    /// [`MOST_PARTS`]: from where to where each goes, and the motion there.
+    #[allow(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "photons are kept in f32, and there are few parts"
+    )]
+    pub(super) fn parts(self, [from, to]: [f64; 2], longest: f32, mut call: impl FnMut([f64; 2], Self)) {
+        let width = to - from;
+        let length = self.speed() * width as f32;
+        // Ends of parts are ends of steps.
+        let parts =
+            if length > longest { ((length / longest).ceil().min(MOST_PARTS) as u16).next_power_of_two() } else { 1 };
+        let limit = |part: u16| if part == parts { to } else { from + width * f64::from(part) / f64::from(parts) };
+        for part in 0..parts {
+            let limits = [limit(part), limit(part + 1)];
+            call(limits, Self { limits: limits.map(|limit| limit as f32), ..self });
+        }
     }
 
     /// The middle of its way, and from there to its end, in scene units.

@@ -57,6 +57,11 @@ impl Points {
         })
     }
 
+    /// A number of an emission's branch: of the same branch of emissions that follow each other, they do, too.
+    pub(super) const fn number(&self, index: u32, branch: u32) -> u32 {
+        index.wrapping_add(combine(self.seed, branch))
+    }
+
     /// A number in [0, 1) for a decision of an emission's branch; well distributed over the emissions.
     pub(super) fn decision(&self, index: u32, branch: u32, purpose: Purpose) -> f64 {
         let [high, low] = self.decisions.point(index, combine(branch, purpose as u32)).map(f64::from);

@@ -16,4 +16,9 @@ impl Random {
         let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
         ((z ^ (z >> 31)) >> 40) as f32 / 16_777_216.0
     }
+
+    /// Three numbers in [−1, 1).
+    pub(super) fn vector(&mut self) -> [f32; 3] {
+        core::array::from_fn(|_| 2.0 * self.next() - 1.0)
+    }
 }

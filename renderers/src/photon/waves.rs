@@ -70,6 +70,11 @@ impl Waves {
         self.at(band, (f64::from(path) * GOLDEN).fract())
     }
 
+    /// The same, whatever [`spread`](Self::spread) says.
+    pub(crate) fn spread_anew(&self, band: Band, path: u32) -> f64 {
+        self.at(band, (f64::from(path) * core::f64::consts::SQRT_2).fract())
+    }
+
     /// The wavelengths in nm that part a band into thirds.
     pub(crate) fn thirds(&self, band: Band) -> [f64; 2] {
         [1.0 / 3.0, 2.0 / 3.0].map(|share| self.at(band, share))

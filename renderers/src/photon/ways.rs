@@ -2,6 +2,8 @@
 
 use core::ops::Range;
 
+use glam::Vec3A;
+
 use super::kernel::Kernel;
 use super::map::{LEAF, Region};
 use super::motion::Motion;
@@ -12,6 +14,10 @@ use super::{Photon, curves};
 /// 30 %, and show in a prism's spectrum.
 const STEPS: f32 = 2.0;
 const MOST_STEPS: u16 = 128;
+
+/// Rounding of places, relative to their coordinates, and of ends of steps.
+const ROUNDING: f32 = 8.0 * f32::EPSILON;
+const PART: f32 = 1e-3;
 
 /// Where the photons of a leaf are between the first key (0) and the last (1).
 #[derive(Clone, Copy, Debug)]
@@ -31,6 +37,9 @@ pub(super) struct Ways {
     /// The most steps that one of them has, and from which to which end of a step any begins.
     most: u16,
     begins: [u16; 2],
+    /// The box around all at the first key, and by how much its limits change up to the last: there is none outside on the way.
+    low: [Vec3A; 2],
+    high: [Vec3A; 2],
     /// The product of spectra that their fluxes are multiplied by, if it is the same.
     pub(super) spectrum: Option<u32>,
     /// In how many even steps from 0 to 1 their light is found.
@@ -75,6 +84,8 @@ impl Ways {
             until: none,
             most: 0,
             begins: [u16::MAX, 0],
+            low: [Vec3A::INFINITY; 2],
+            high: [Vec3A::NEG_INFINITY; 2],
             spectrum: spectrum.filter(|first| photons.iter().all(|photon| photon.spectrum == *first)),
             steps: steps_of(motions, radius).max(least),
             are_together: motions.iter().all(|motion| Some(motion.limits) == motions.first().map(|first| first.limits)),
@@ -86,6 +97,10 @@ impl Ways {
                 (own[i], way[i]) = (place, all);
             }
             (ways.flux[i], ways.change[i]) = (flux, motion.flux);
+            for (end, at) in [0.0, 1.0].into_iter().enumerate() {
+                let place = Vec3A::from_array(place) + Vec3A::from_array(motion.position) * (at - middle);
+                (ways.low[end], ways.high[end]) = (ways.low[end].min(place), ways.high[end].max(place));
+            }
             let [first, last] = motion.limits.map(|limit| step_at(limit, ways.steps));
             ways.begin[i] = f32::from(first) / f32::from(ways.steps) - middle;
             ways.first[i] = first as u8;
@@ -95,7 +110,32 @@ impl Ways {
             ways.most = ways.most.max(last - first);
             ways.begins = [ways.begins[0].min(first), ways.begins[1].max(first)];
         }
+        (ways.low[1], ways.high[1]) = (ways.low[1] - ways.low[0], ways.high[1] - ways.high[0]);
         ways
+    }
+
+    /// Those of some ends of steps, from one to another (that not included), at which photons may be within a distance of a place.
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "limited to the steps")]
+    pub(super) fn nodes_near(&self, position: [f32; 3], distance: f32, [first, end]: [u16; 2]) -> [u16; 2] {
+        let position = Vec3A::from_array(position);
+        let distance = Vec3A::splat(distance + ROUNDING * (distance + position.abs().max_element()));
+        let (mut from, mut to) = (0.0_f32, 1.0_f32);
+        // What must not be negative, at the first key and how much more at the last.
+        for (room, more) in
+            [(position + distance - self.low[0], -self.low[1]), (self.high[0] + distance - position, self.high[1])]
+        {
+            let at = -room / more;
+            let (rising, falling) = (more.cmpgt(Vec3A::ZERO), more.cmplt(Vec3A::ZERO));
+            from = from.max(Vec3A::select(rising, at, Vec3A::ZERO).max_element());
+            to = to.min(Vec3A::select(falling, at, Vec3A::ONE).min_element());
+            if (room.cmplt(Vec3A::ZERO) & !rising & !falling).any() {
+                return [first, first];
+            }
+        }
+        let steps = f32::from(self.steps);
+        let [from, to] = [(from * steps - PART).ceil().max(f32::from(first)), (to * steps + PART).floor() + 1.0];
+        let to = to.min(f32::from(end));
+        if from < to { [from as u16, to as u16] } else { [first, first] }
     }
 
     /// The end of a step at which a photon's way begins.

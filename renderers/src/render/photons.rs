@@ -73,7 +73,7 @@ pub struct PhotonReport {
     pub dispersed: usize,
     /// The maps of bands of wavelengths that were made, wider ones first: that of all waves alone unless maps are made for bands.
     pub bands: Vec<BandReport>,
-    /// The wavelengths in nm at which dispersed paths were thrown, if photons are interpolated between.
+    /// The wavelengths in nm at which dispersed paths were thrown, if photons are interpolated between; none if each was followed at one of its own.
     pub keys: Vec<f64>,
     /// Bytes of all maps and paths.
     pub bytes: usize,
@@ -219,11 +219,12 @@ impl<'s> Thrower<'s> {
     /// converges (Knaus and Zwicker 2011, equation 12): r²ₙ₊₁ = r²ₙ (n + α)/(n + 1).
     pub(super) fn pass(&self, pass: u32, watch: &dyn Watch) -> Maps<'s> {
         watch.stage("photons", self.emission.attempts(self.count));
-        let emitted = self.emission.emit(self.count, pass, &|steps| watch.add(steps));
+        let progress = |steps| watch.add(steps);
+        let photons: (_, _, &(dyn Fn(u64) + Sync)) = (self.count, pass, &progress);
         let shrink = (1..=pass).map(|n| (f64::from(n) + SHRINKING) / (f64::from(n) + 1.0)).product::<f64>().sqrt();
         #[allow(clippy::cast_possible_truncation, reason = "as precise as radii")]
         let density = (self.density, shrink as f32);
-        Maps::new(self.scene, self.emission, emitted, density, (self.options.bundle, self.options.rethrow))
+        Maps::new(self.scene, self.emission, photons, density, (self.options.bundle, self.options.rethrow))
     }
 }
 

@@ -403,8 +403,8 @@ mod tests {
         let whitted = Whitted::new(&scene, [u32::from(SIDE); 2], &mut palette).unwrap();
         let emission = Emission::new(&scene, &whitted, &palette, Settings::default());
         let how = (Bundle::Continuous, Rethrow::Interpolated);
-        let emitted = emission.emit(100_000, 0, &|_| {});
-        let maps = Maps::new((&scene, &whitted), &emission, emitted, (Density::default(), 1.0), how);
+        let photons: (_, _, &(dyn Fn(u64) + Sync)) = (100_000, 0, &|_| {});
+        let maps = Maps::new((&scene, &whitted), &emission, photons, (Density::default(), 1.0), how);
         let bands = [[380.0, 480.0], [600.0, 780.0]];
         let seen = |delta_e: f64| {
             let mut worker = Worker::new(&whitted, FactorOrder::Free).with_caustics(&maps).with_tolerance(delta_e);
@@ -468,8 +468,8 @@ mod tests {
         whitted.ambient = vec![Factor { scale: 0.75, leaf: None }];
         let emission = Emission::new(&scene, &whitted, &palette, Settings::default());
         let how = (Bundle::Continuous, Rethrow::Interpolated);
-        let emitted = emission.emit(10_000, 0, &|_| {});
-        let maps = Maps::new((&scene, &whitted), &emission, emitted, (Density::default(), 1.0), how);
+        let photons: (_, _, &(dyn Fn(u64) + Sync)) = (10_000, 0, &|_| {});
+        let maps = Maps::new((&scene, &whitted), &emission, photons, (Density::default(), 1.0), how);
         let worker = || Worker::new(&whitted, FactorOrder::Free).with_caustics(&maps);
         // The middle of the rear wall.
         let found = |mut worker: Worker<'_>| {

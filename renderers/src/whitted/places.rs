@@ -173,9 +173,9 @@ mod tests {
         let whitted = Whitted::new(&scene, [u32::from(SIDE); 2], &mut palette).unwrap();
         let emission = Emission::new(&scene, &whitted, &palette, Settings::default());
         let maps = |rethrow: Rethrow| {
-            let emitted = emission.emit(20_000, 0, &|_| {});
+            let photons: (_, _, &(dyn Fn(u64) + Sync)) = (20_000, 0, &|_| {});
             let how = (Bundle::Continuous, rethrow);
-            Maps::new((&scene, &whitted), &emission, emitted, (Density::default(), 1.0), how)
+            Maps::new((&scene, &whitted), &emission, photons, (Density::default(), 1.0), how)
         };
         let [interpolated, traced] = [Rethrow::Interpolated, Rethrow::Traced].map(maps);
         let worker =

@@ -1,6 +1,7 @@
 //! Scenes with known answers.
 
 mod beams;
+mod drifting;
 mod optics;
 mod paths;
 mod slight;

@@ -10,7 +10,7 @@ use crate::photon::{Account, Emission, Emitted, Spectra};
 const MOST: f64 = 4.5;
 
 /// Glass, gold, a partial mirror and black sides, with a floor.
-fn room(index: &str, more: &str) -> Stage {
+pub(super) fn room(index: &str, more: &str) -> Stage {
     let light = area("rectangle", r#"<rotate x="1" angle="180"/><scale value="0.4"/><translate z="3"/>"#);
     let gold = r#"<bsdf type="conductor"><string name="material" value="Au"/></bsdf>"#;
     let partial = r#"<bsdf type="schlick"><spectrum name="reflectance" value="400:0.2, 700:0.6"/>

@@ -2,7 +2,7 @@
 
 use glam::Vec3A;
 
-use super::{Stage, emit, glass, point};
+use super::{Stage, glass, point};
 use crate::geometry::Ray;
 use crate::photon::passing::Passing;
 use crate::photon::{Bundle, Density, Maps, Rethrow, Settings};
@@ -16,9 +16,9 @@ const SIDE: u8 = 48;
 fn white_places(name: &str, shrink: f32, is_asked: impl Fn(Vec3A) -> bool) -> (u32, u32) {
     let stage = Stage::built_in(name);
     let emission = stage.emission(Settings::default());
-    let emitted = emit(&emission, 100_000, 0);
+    let photons: (_, _, &(dyn Fn(u64) + Sync)) = (100_000, 0, &|_| {});
     let how = (Bundle::Continuous, Rethrow::Interpolated);
-    let maps = Maps::new((&stage.scene, &stage.whitted), &emission, emitted, (Density::default(), shrink), how);
+    let maps = Maps::new((&stage.scene, &stage.whitted), &emission, photons, (Density::default(), shrink), how);
     // Of passes whose radii shrink, less is taken as white.
     let part = f64::from(shrink) * f64::from(shrink);
     let (mut white, mut lit, mut found) = (0, 0, Arrived::default());
@@ -97,9 +97,9 @@ fn white_light_is_the_mean_of_coloured_light() {
     for (receiver, height) in [(plane, 0.0_f32), (ball, 1.0)] {
         let stage = lens(receiver);
         let emission = stage.emission(Settings::default());
-        let emitted = emit(&emission, 50_000, 0);
+        let photons: (_, _, &(dyn Fn(u64) + Sync)) = (50_000, 0, &|_| {});
         let how = (Bundle::Continuous, Rethrow::Interpolated);
-        let maps = Maps::new((&stage.scene, &stage.whitted), &emission, emitted, (Density::default(), 1.0), how);
+        let maps = Maps::new((&stage.scene, &stage.whitted), &emission, photons, (Density::default(), 1.0), how);
         let (mut white, mut coloured, mut found) = (0.0, 0.0, Arrived::default());
         for place in 0..400_u16 {
             let [x, y] = [place % 20, place / 20].map(|p| (f32::from(p) - 9.5) / 12.0);
