@@ -168,6 +168,11 @@ impl Dielectric {
         self.interior.at(wavelength) / self.exterior.at(wavelength)
     }
 
+    /// How much the interior absorbs at a wavelength in nm, for each scene unit.
+    pub(crate) fn absorption(&self, wavelength: f64) -> f64 {
+        self.absorption.as_ref().map_or(0.0, |a| a.at(wavelength))
+    }
+
     /// What remains of light after a way through the interior.
     pub(crate) fn remaining(&self, distance: f64, wavelength: f64) -> f64 {
         self.absorption.as_ref().map_or(1.0, |a| (-a.at(wavelength) * distance).exp())

@@ -36,7 +36,7 @@ enum Kind {
     Parallelogram,
     Disk,
     /// With the inverse of its radius, negative if the inside is its front.
-    Sphere(f64),
+    Sphere(f32),
 }
 
 /// All surfaces of a scene, ready for rays.
@@ -182,7 +182,7 @@ impl World {
     #[must_use]
     pub fn normal_change(&self, hit: &Hit, step: DVec3) -> DVec3 {
         match self.primitives.get(hit.primitive as usize) {
-            Some(Primitive { kind: Kind::Sphere(curvature), .. }) => step * *curvature,
+            Some(Primitive { kind: Kind::Sphere(curvature), .. }) => step * f64::from(*curvature),
             Some(Primitive { normals, .. }) if *normals != NO_PRIMITIVE => {
                 self.interpolated_change(hit, *normals, step).unwrap_or(DVec3::ZERO)
             }
@@ -384,7 +384,7 @@ impl Parts {
                 self.add_round(shape, Round::Disk(DiskFrame::new(disk)), Kind::Disk, start);
             }
             Surface::Sphere(sphere) => {
-                let curvature = 1.0 / f64::from(sphere.radius);
+                let curvature = 1.0 / sphere.radius;
                 let kind = Kind::Sphere(if sphere.inward { -curvature } else { curvature });
                 self.add_round(shape, Round::Sphere(*sphere), kind, start);
             }

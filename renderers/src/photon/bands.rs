@@ -90,7 +90,7 @@ impl Thrown {
     /// The same of photons whose ways are known from one wavelength each.
     #[allow(clippy::cast_possible_truncation, reason = "as precise as their ways")]
     pub(super) fn drifting(
-        pieces: &[Vec<Drifting>],
+        pieces: Vec<Vec<Drifting>>,
         limits: [f64; 2],
         spectra: Arc<Spectra>,
         emission: &Emission<'_>,

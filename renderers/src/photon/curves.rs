@@ -4,7 +4,8 @@
 //! lands is a smooth function of the wavelength as long as it takes the same reflections and refractions and meets the same shapes:
 //! between two wavelengths it is linear in 1/λ², as Cauchy's index is, to the second order. So paths are thrown at a few *keys*, and
 //! photons that correspond to each other at two neighbouring keys are interpolated; those that don't stay where they are, each up to the middle. Between
-//! faces of one shape at an angle the straight line leaves the shape, and photons on it are not found.
+//! faces of one shape at an angle the straight line leaves the shape, and photons on it are not found. This is for where derivatives at one wavelength
+//! say too little ([`lines`](super::lines)), and for bands that are asked for one by one.
 
 use core::cmp::Ordering;
 

@@ -18,29 +18,14 @@ pub(super) trait Change: Copy + Debug + Default + Send {
     /// After a free way along a unit direction to a hit: at that hit, and by how much the way's length changes.
     fn arrived(self, hit: &Hit, direction: DVec3, length: f64) -> (Self, f64);
 
-    /// The same where the logarithms of the flux and of its guide change by so much more.
-    fn brighter(self, by: f64, guide: f64) -> Self;
-
-    /// The same of what goes on by chance, for what said how likely.
-    fn surviving(self, likely: Likely) -> Self;
+    /// The same where the logarithm of the flux changes by so much more.
+    fn brighter(self, by: f64) -> Self;
 
     /// Mirrored at a hit to which a unit direction led.
     fn mirrored(self, world: &World, hit: &Hit, direction: DVec3) -> Self;
 
-    /// Mirrored at and led through a smooth boundary, for the index of the interior relative to the exterior, that at the d line, and the
-    /// derivative; what goes each way counts.
-    fn parted(self, world: &World, hit: &Hit, direction: DVec3, indices: [f64; 3]) -> [Self; 2];
-}
-
-/// What says how likely a path goes on.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Likely {
-    /// It does for certain.
-    Certain,
-    /// Its weight as it would be at the d line: its guide.
-    Guided,
-    /// Its own weight, to which its flux is in proportion.
-    Own,
+    /// Mirrored at and led through a smooth boundary, for the index of the interior relative to the exterior and its derivative; what goes each way counts.
+    fn parted(self, world: &World, hit: &Hit, direction: DVec3, index: [f64; 2]) -> [Self; 2];
 }
 
 /// Nothing is known.
@@ -51,13 +36,11 @@ impl Change for () {
         ((), 0.0)
     }
 
-    fn brighter(self, _: f64, _: f64) -> Self {}
-
-    fn surviving(self, _: Likely) -> Self {}
+    fn brighter(self, _: f64) -> Self {}
 
     fn mirrored(self, _: &World, _: &Hit, _: DVec3) -> Self {}
 
-    fn parted(self, _: &World, _: &Hit, _: DVec3, _: [f64; 3]) -> [Self; 2] {
+    fn parted(self, _: &World, _: &Hit, _: DVec3, _: [f64; 2]) -> [Self; 2] {
         [(); 2]
     }
 }
@@ -69,10 +52,9 @@ pub(super) struct Differential {
     pub(super) position: DVec3,
     /// Of the unit vector along which it goes.
     direction: DVec3,
-    /// Of the logarithm of its flux. What shading normals add or take doesn't count, nor how absorption by a medium depends on the wavelength.
+    /// Of the logarithm of its flux. How likely it went on by chance was decided at its own wavelength: that is the same for all. What shading normals
+    /// add or take doesn't count, nor that mirrors reflect more or less by the angle.
     pub(super) flux: f64,
-    /// Of that of its guide, which follows the path with the index at the d line.
-    guide: f64,
 }
 
 /// By how many radians a path may turn from the first wavelength to the last: where it turns farther, mostly near the angle of total reflection, its
@@ -82,7 +64,7 @@ const MOST_TURN: f64 = 0.2;
 impl Differential {
     /// Whether it says how a path changes from the first wavelength to the last, if derivatives are by a measure that goes from 0 to 1 there.
     pub(super) fn is_known(&self) -> bool {
-        self.position.is_finite() && self.direction.length() <= MOST_TURN && self.flux.abs() <= 1.0
+        self.direction.length() <= MOST_TURN && self.flux.abs() <= 1.0
     }
 
     /// The unit shading normal on the side of a hit that was met, its derivative, and that of the cosine of incidence.
@@ -108,38 +90,29 @@ impl Change for Differential {
         (Self { position: moved + direction * longer, ..self }, longer)
     }
 
-    fn brighter(self, by: f64, guide: f64) -> Self {
-        Self { flux: self.flux + by, guide: self.guide + guide, ..self }
-    }
-
-    fn surviving(self, likely: Likely) -> Self {
-        match likely {
-            Likely::Certain => self,
-            // The likelier, the less each that survives counts for.
-            Likely::Guided => self.brighter(-self.guide, -self.guide),
-            Likely::Own => self.brighter(-self.flux, -self.flux),
-        }
+    fn brighter(self, by: f64) -> Self {
+        Self { flux: self.flux + by, ..self }
     }
 
     fn mirrored(self, world: &World, hit: &Hit, direction: DVec3) -> Self {
         self.mirrored_at(self.at_normal(world, hit, direction), direction)
     }
 
-    fn parted(self, world: &World, hit: &Hit, direction: DVec3, [index, index_at_d, by]: [f64; 3]) -> [Self; 2] {
+    fn parted(self, world: &World, hit: &Hit, direction: DVec3, [index, by]: [f64; 2]) -> [Self; 2] {
         let (normal, turned, cosine_by) = self.at_normal(world, hit, direction);
-        let incident = [(-direction.dot(normal)).clamp(0.0, 1.0), cosine_by];
+        let cosine = (-direction.dot(normal)).clamp(0.0, 1.0);
         let mirrored = self.mirrored_at((normal, turned, cosine_by), direction);
-        let beyond = |index: f64, by: f64| if hit.front { [index, by] } else { [1.0 / index, -by / (index * index)] };
-        let [eta, eta_by] = beyond(index, by);
-        let Some(own) = Boundary::new(incident, [eta, eta_by]) else { return [mirrored, self] };
-        let guide = Boundary::new(incident, beyond(index_at_d, 0.0))
-            .unwrap_or(Boundary { refracted: [0.0; 2], ways: [0.0; 2] });
-        let [cosine, refracted] = [incident[0], own.refracted[0]];
+        let [eta, eta_by] = if hit.front { [index, by] } else { [1.0 / index, -by / (index * index)] };
+        let Some(Boundary { refracted: [refracted, refracted_by], ways }) =
+            Boundary::new([cosine, cosine_by], [eta, eta_by])
+        else {
+            return [mirrored, self];
+        };
         let along = cosine / eta - refracted;
-        let along_by = (cosine_by - cosine * eta_by / eta) / eta - own.refracted[1];
+        let along_by = (cosine_by - cosine * eta_by / eta) / eta - refracted_by;
         let direction = (self.direction - direction * (eta_by / eta)) / eta + normal * along_by + turned * along;
         let through = Self { direction, ..self };
-        [mirrored.brighter(own.ways[0], guide.ways[0]), through.brighter(own.ways[1], guide.ways[1])]
+        [mirrored.brighter(ways[0]), through.brighter(ways[1])]
     }
 }
 

@@ -198,6 +198,11 @@ impl<'s> Emission<'s> {
         spectrum.scale * self.around().mean(spectrum)
     }
 
+    /// Whether some of the paths of a trial depend on the wavelength.
+    pub(super) fn is_dispersive(&self) -> bool {
+        self.yields[1] > 0.0
+    }
+
     /// About how many bytes it takes to emit so many photons and to keep them, while their parts are put together; more than there are for absurd counts.
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "an estimate")]
     pub(crate) fn bytes_for(&self, count: u64) -> u64 {
@@ -328,7 +333,7 @@ impl<'s> Emission<'s> {
     }
 
     /// The same with how photons move with the wavelength.
-    pub(crate) fn throw_drifting(
+    pub(super) fn throw_drifting(
         &self,
         prefixes: &[Prefix],
         wavelength_of: impl Fn(usize) -> f64 + Sync,

@@ -151,7 +151,7 @@ impl<'s> Maps<'s> {
         maps.even = core::mem::take(&mut maps.even).spread(radii, maps.alone());
         if drifted > 0 {
             let spectra = Arc::clone(&maps.even.spectra);
-            let thrown = Thrown::drifting(&drifting, maps.waves.thirds(WHOLE), spectra, emission);
+            let thrown = Thrown::drifting(drifting, maps.waves.thirds(WHOLE), spectra, emission);
             maps.know_whole(thrown);
         }
         if !maps.prefixes.is_empty() {

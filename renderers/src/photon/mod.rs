@@ -2,8 +2,9 @@
 //!
 //! Photons are traced from the lights towards mirrors and glass, and kept where they meet a surface that scatters: paths L S⁺ D. Until a path
 //! meets a medium in which light behaves differently by wavelength, it stands for the whole spectrum, as a product of spectra. Behind such a
-//! medium it goes on at a wavelength of its own, with derivatives that say where it would be at all others; or, where these say too little, it is thrown at
-//! a few wavelengths, between which it is found (or, if asked for, thrown again for each interval that a pixel asks for). Each photon counts within a radius of its own, so that all of its light is there once.
+//! medium it goes on at a wavelength of its own, with derivatives that say where it would be at all others; or, where these say too little, it is
+//! thrown at a few wavelengths, between which it is found (or, if asked for, thrown again for each interval that a pixel asks for). Each photon
+//! counts within a radius of its own, so that all of its light is there once.
 
 mod account;
 mod aim;
@@ -80,7 +81,7 @@ pub(crate) const fn surface(shape: u32, front: bool) -> u32 {
 pub(crate) struct Scattered {
     /// Where it landed. Its flux is that at its wavelength, the spectra of its factors left out.
     pub(crate) photon: Photon,
-    /// The path that was thrown: the same number for all wavelengths.
+    /// The path that was thrown: the same number for all wavelengths. Of paths that go on at once, numbers begin anew with each of their emissions.
     pub(crate) path: u32,
     /// Which reflections and refractions it took: photons of one path and the same branch, at different wavelengths, correspond to each other.
     pub(crate) branch: u32,

@@ -393,7 +393,7 @@ mod tests {
     #[test]
     fn light_is_found_where_it_may_be() {
         let mut random = Random::new(7);
-        let (mut asked, mut near_ones, mut lit) = (0, 0, 0);
+        let (mut asked, mut near_ones, mut lit) = (0, 0, 0_u32);
         for leaf in 0..200_u16 {
             // Some stay, others are slow or fast, on a line or all over, the whole time or for a part of it.
             let speed = [0.0, 0.1, 4.0, 40.0][usize::from(leaf % 4)];
@@ -422,11 +422,11 @@ mod tests {
                         assert!(found.is_some_and(|found| found == row) || row.iter().all(|light| *light == 0.0));
                         lit += u32::from(row.iter().any(|light| *light > 0.0));
                     }
-                    asked += nodes[1] - nodes[0];
-                    near_ones += near[1].saturating_sub(near[0]);
+                    asked += u32::from(nodes[1] - nodes[0]);
+                    near_ones += u32::from(near[1].saturating_sub(near[0]));
                 }
             }
         }
-        assert!(lit > 500 && u32::from(near_ones) < 2 * lit + u32::from(asked) / 10, "{lit}, {near_ones} of {asked}");
+        assert!(lit > 500 && near_ones < 2 * lit + asked / 10, "{lit}, {near_ones} of {asked}");
     }
 }

@@ -7,7 +7,7 @@ use spectral_core::fresnel;
 use spectral_core::interval::{FIRST_WAVELENGTH, LAST_WAVELENGTH};
 
 use super::account::Account;
-use super::differential::{Change, Differential, Likely};
+use super::differential::{Change, Differential};
 use super::motion::Line;
 use super::points::{Points, Purpose};
 use super::products::Products;
@@ -136,10 +136,10 @@ impl Landing for Drifting {
     #[allow(clippy::cast_possible_truncation, reason = "photons are f32")]
     fn new(scattered: Scattered, change: Differential, wavelength: Option<f64>) -> Self {
         let mut line = Line { at: wavelength.map_or(0.0, |wavelength| place_of(wavelength) as f32), ..Line::default() };
+        let (position, flux) = (change.position.as_vec3(), scattered.photon.flux * change.flux as f32);
         // What isn't known to move stays: it is white, on average over all photons, where it might have colours.
-        if change.is_known() {
-            line.position = change.position.as_vec3().to_array();
-            line.flux = scattered.photon.flux * change.flux as f32;
+        if change.is_known() && position.is_finite() && flux.is_finite() {
+            (line.position, line.flux) = (position.to_array(), flux);
         }
         Self { scattered, line }
     }
@@ -241,6 +241,9 @@ struct Known {
     /// At the ends of even steps by [`place_of`], if its derivative was asked for.
     course: Option<Box<[f64; STEPS + 1]>>,
 }
+
+/// How far beside a place derivatives of absorption are found: half a step.
+const NEARBY: f64 = 1.0 / 64.0;
 
 /// In how many steps derivatives of indices are found: those of N-BK7 and SF11 within 0.1 %, where a parabola through three would be 6 % off.
 const STEPS: usize = 32;
@@ -394,11 +397,13 @@ impl<'s, L: Landing> Walk<'s, L> {
         let remaining = medium.remaining(distance, self.wavelength.unwrap_or(LINE_D));
         let at_d = if evenly { remaining } else { medium.remaining(distance, LINE_D) };
         self.account.media += self.luminous(state.weight * (1.0 - remaining));
-        let change = if L::Change::IS_KNOWN && distance > 0.0 && remaining > 0.0 {
-            let [own, guide] = [remaining, at_d].map(|remaining| remaining.ln() / distance * longer);
-            state.change.brighter(own, guide)
-        } else {
-            state.change
+        let change = match self.wavelength {
+            Some(wavelength) if L::Change::IS_KNOWN => {
+                let own = medium.absorption(wavelength);
+                let by = if evenly { 0.0 } else { slope_of(|wavelength| medium.absorption(wavelength), wavelength) };
+                state.change.brighter(-own * longer - by * distance)
+            }
+            _ => state.change,
         };
         State {
             flux: state.flux * remaining,
@@ -524,8 +529,7 @@ impl<'s, L: Landing> Walk<'s, L> {
     /// Goes on from a boundary of transparent media, both ways.
     fn part(&mut self, hit: &Hit, direction: DVec3, state: State<L::Change>, dielectric: &Dielectric) {
         let [index, index_at_d, slope] = self.indices.of(hit.shape, dielectric, self.wavelength, L::Change::IS_KNOWN);
-        let [mirrored, led] =
-            state.change.parted(self.around.scene.world(), hit, direction, [index, index_at_d, slope]);
+        let [mirrored, led] = state.change.parted(self.around.scene.world(), hit, direction, [index, slope]);
         let (reflected, onward) = boundary_of(index, hit, direction);
         let at_d = if index == index_at_d { reflected } else { reflected_by(index_at_d, hit, direction) };
         let Dielectric { reflectance, transmittance, .. } = dielectric;
@@ -566,7 +570,7 @@ impl<'s, L: Landing> Walk<'s, L> {
                 self.account.too_deep += self.luminous(weight);
                 continue;
             }
-            let (likely, by) = self.likely(weight, guide);
+            let likely = self.likely(weight, guide);
             if likely < 1.0 {
                 let Start { points, index, .. } = self.start;
                 let u = *chance.get_or_insert_with(|| points.decision(index, from.branch, Purpose::Survival));
@@ -584,18 +588,16 @@ impl<'s, L: Landing> Walk<'s, L> {
                 guide: guide / likely,
                 depth: from.depth + 1,
                 branch: branch(from.branch, number),
-                change: state.change.surviving(by),
                 ..state
             });
         }
     }
 
-    /// How likely a path goes on: by its weight at the d line, so that paths of all wavelengths do alike, if that isn't far too little; and what says so.
-    fn likely(&self, weight: f64, guide: f64) -> (f64, Likely) {
+    /// How likely a path goes on: by its weight at the d line, so that paths of all wavelengths do alike, if that isn't far too little.
+    fn likely(&self, weight: f64, guide: f64) -> f64 {
         let share = self.around.limits.share;
         let [alike, own] = [guide, weight].map(|weight| if weight < share { weight / share } else { 1.0 });
-        let (likely, by) = if own <= MOST_EXCESS * alike { (alike, Likely::Guided) } else { (own, Likely::Own) };
-        (likely, if likely < 1.0 { by } else { Likely::Certain })
+        if own <= MOST_EXCESS * alike { alike } else { own }
     }
 }
 
@@ -614,6 +616,13 @@ pub(super) fn place_of(wavelength: f64) -> f64 {
 pub(super) fn wavelength_at(place: f64) -> f64 {
     let [first, last] = [FIRST_WAVELENGTH, LAST_WAVELENGTH].map(|w| 1.0 / (w * w));
     1.0 / (first + place * (last - first)).sqrt()
+}
+
+/// The derivative by [`place_of`] of what depends on the wavelength, by a difference about one in nm.
+fn slope_of(value: impl Fn(f64) -> f64, wavelength: f64) -> f64 {
+    let place = place_of(wavelength);
+    let [from, to] = [place - NEARBY, place + NEARBY].map(|place| place.clamp(0.0, 1.0));
+    (value(wavelength_at(to)) - value(wavelength_at(from))) / (to - from)
 }
 
 /// What light that comes along a direction to a surface counts for where its irradiance is by the shading normal and the flux on its area by
