@@ -13,7 +13,7 @@ use super::{LAST_STAGE, PhotonReport, Rendering, SpectrumSink, Watch, single, si
 use crate::geometry::sampling::SobolSequence;
 use crate::geometry::{Filter, Hit};
 use crate::image::{ImageError, Raster};
-use crate::spectral::{Band, Colour, FactorOrder, Radiance, Resolver, Tracer, Y_INTEGRAL};
+use crate::spectral::{Colour, FactorOrder, Radiance, Resolver, Tracer, Y_INTEGRAL};
 use crate::whitted::{Caustics, Indirect, Whitted, Worker};
 
 /// Pixels along the side of the squares that threads take in turn.
@@ -72,7 +72,7 @@ impl Frame<'_> {
                 worker.start_pixel(self.points(x, y));
                 worker.sample(middle(x), middle(y), 1.0, &mut radiance);
                 for (deferred, _, _) in radiance.deferred() {
-                    worker.trace(*deferred, Band::single(587.5618));
+                    worker.trace_gathered(*deferred);
                 }
             }
             worker.into_noted()

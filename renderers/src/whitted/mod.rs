@@ -476,12 +476,10 @@ impl<'s> Worker<'s> {
                     self.illuminance += core::f64::consts::PI * self.luminance(*ambient);
                 }
             }
+            // What is between surfaces is gathered along one path for all waves.
+            _ if reflected.weight == 0.0 || (reflected.band.is_some() && !self.is_preparing) => {}
             Between::Noted(hits) => hits.push(*hit),
             Between::Asked(indirect) => {
-                // What is between surfaces is gathered along one path for all waves.
-                if reflected.weight == 0.0 || (reflected.band.is_some() && !self.is_preparing) {
-                    return;
-                }
                 let (start, width) = (self.rows.len(), indirect.width());
                 self.rows.resize(start + width, 0.0);
                 indirect.irradiance(hit, &mut self.rows[start..]);
