@@ -7,7 +7,7 @@ use spectral_core::spectrum::Spectrum;
 use spectral_core::tables;
 
 use crate::scene::{BsdfId, BsdfKind, ConductorFresnel, Ior, Metal, Scene, SpectrumId, WardVariant};
-use crate::spectral::{Factor, Palette, Role, Tabulated};
+use crate::spectral::{Factor, MEAN_WAVELENGTH, Palette, Role, Tabulated};
 use crate::whitted::RenderError;
 
 /// At how many angles of incidence a metal's reflectance is tabulated; linear in between, within 10⁻³ for metals in the visible.
@@ -98,6 +98,8 @@ impl Glossy<'_> {
 pub(crate) struct Dielectric {
     interior: Index,
     exterior: Index,
+    /// The one relative to the other at [`MEAN_WAVELENGTH`], where they are asked for the most.
+    mean_index: f64,
     /// Factors on reflected and on refracted light.
     pub(crate) reflectance: Factor,
     pub(crate) transmittance: Factor,
@@ -165,6 +167,9 @@ impl Dielectric {
 
     /// Interior index relative to exterior at a wavelength in nm.
     pub(crate) fn relative_index(&self, wavelength: f64) -> f64 {
+        if wavelength == MEAN_WAVELENGTH {
+            return self.mean_index;
+        }
         self.interior.at(wavelength) / self.exterior.at(wavelength)
     }
 
@@ -202,9 +207,11 @@ impl Material {
                 mirror(scene, fresnel, weight, palette)
             }
             BsdfKind::Dielectric { int_ior, ext_ior, specular_reflectance, specular_transmittance, absorption } => {
+                let [interior, exterior] = [Index::new(scene, int_ior)?, Index::new(scene, ext_ior)?];
                 Self::Dielectric(Box::new(Dielectric {
-                    interior: Index::new(scene, int_ior)?,
-                    exterior: Index::new(scene, ext_ior)?,
+                    mean_index: interior.at(MEAN_WAVELENGTH) / exterior.at(MEAN_WAVELENGTH),
+                    interior,
+                    exterior,
                     reflectance: reflectance(*specular_reflectance),
                     transmittance: reflectance(*specular_transmittance),
                     absorption: absorption.map(|a| Index::of_spectrum(scene, a)),

@@ -15,11 +15,11 @@ pub(super) trait Change: Copy + Debug + Default + Send {
     /// Whether anything is.
     const IS_KNOWN: bool;
 
-    /// After a free way along a unit direction to a hit: at that hit, and by how much the way's length changes.
-    fn arrived(self, hit: &Hit, direction: DVec3, length: f64) -> (Self, f64);
+    /// Goes a free way along a unit direction to a hit; by how much the way's length changes.
+    fn arrive(&mut self, hit: &Hit, direction: DVec3, length: f64) -> f64;
 
-    /// The same where the logarithm of the flux changes by so much more.
-    fn brighter(self, by: f64) -> Self;
+    /// Changes the logarithm of the flux by so much more.
+    fn brighten(&mut self, by: f64);
 
     /// Mirrored at a hit to which a unit direction led.
     fn mirrored(self, world: &World, hit: &Hit, direction: DVec3) -> Self;
@@ -32,11 +32,11 @@ pub(super) trait Change: Copy + Debug + Default + Send {
 impl Change for () {
     const IS_KNOWN: bool = false;
 
-    fn arrived(self, _: &Hit, _: DVec3, _: f64) -> (Self, f64) {
-        ((), 0.0)
+    fn arrive(&mut self, _: &Hit, _: DVec3, _: f64) -> f64 {
+        0.0
     }
 
-    fn brighter(self, _: f64) -> Self {}
+    fn brighten(&mut self, _: f64) {}
 
     fn mirrored(self, _: &World, _: &Hit, _: DVec3) -> Self {}
 
@@ -83,15 +83,16 @@ impl Differential {
 impl Change for Differential {
     const IS_KNOWN: bool = true;
 
-    fn arrived(self, hit: &Hit, direction: DVec3, length: f64) -> (Self, f64) {
+    fn arrive(&mut self, hit: &Hit, direction: DVec3, length: f64) -> f64 {
         let normal = hit.geometric_normal.as_dvec3();
         let moved = self.position + self.direction * length;
         let longer = -normal.dot(moved) / normal.dot(direction);
-        (Self { position: moved + direction * longer, ..self }, longer)
+        self.position = moved + direction * longer;
+        longer
     }
 
-    fn brighter(self, by: f64) -> Self {
-        Self { flux: self.flux + by, ..self }
+    fn brighten(&mut self, by: f64) {
+        self.flux += by;
     }
 
     fn mirrored(self, world: &World, hit: &Hit, direction: DVec3) -> Self {
@@ -111,8 +112,7 @@ impl Change for Differential {
         let along = cosine / eta - refracted;
         let along_by = (cosine_by - cosine * eta_by / eta) / eta - refracted_by;
         let direction = (self.direction - direction * (eta_by / eta)) / eta + normal * along_by + turned * along;
-        let through = Self { direction, ..self };
-        [mirrored.brighter(ways[0]), through.brighter(ways[1])]
+        [Self { flux: mirrored.flux + ways[0], ..mirrored }, Self { direction, flux: self.flux + ways[1], ..self }]
     }
 }
 

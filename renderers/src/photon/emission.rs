@@ -17,7 +17,7 @@ use crate::whitted::Whitted;
 
 /// Attempts, or paths thrown, that are one piece of work.
 const CHUNK: u32 = 2048;
-const THROWN: usize = 2048;
+const THROWN: usize = 512;
 
 /// Attempts by which it is found how much photons and paths there will be.
 const SAMPLE: u32 = 1024;
@@ -86,8 +86,7 @@ impl Run<'_> {
 pub(crate) struct Thrown<L = Scattered> {
     /// Photons of as many paths each, whatever the wavelength.
     pub(crate) pieces: Vec<Vec<L>>,
-    /// Whether all flux is accounted for is asked by tests alone.
-    #[cfg_attr(not(test), allow(dead_code))]
+    #[cfg_attr(not(test), allow(dead_code, reason = "whether all flux is accounted for is asked by tests alone"))]
     pub(crate) account: Account,
 }
 

@@ -53,19 +53,20 @@ pub(super) type Moving = (Vec<Photon>, Vec<Motion>);
 
 /// How so many photons move about where they are, for what says it of one by its number and adds the rest of its way to others.
 pub(super) fn cut(count: usize, parts: impl Fn(usize, &mut Moving) -> Motion + Sync, rest: &mut Moving) -> Vec<Motion> {
-    let some = |piece: usize| {
-        let numbers = piece * TOGETHER..count.min((piece + 1) * TOGETHER);
+    let mut motions = vec![Motion::default(); count];
+    let some = |(piece, own): (usize, &mut [Motion])| {
         let mut rest = Moving::default();
-        (numbers.map(|number| parts(number, &mut rest)).collect::<Vec<_>>(), rest)
+        for (number, motion) in (piece * TOGETHER..).zip(own) {
+            *motion = parts(number, &mut rest);
+        }
+        rest
     };
-    let pieces: Vec<_> = (0..count.div_ceil(TOGETHER)).into_par_iter().map(some).collect();
-    let mut motions = Vec::with_capacity(count);
-    rest.0.reserve(pieces.iter().map(|(_, rest)| rest.0.len()).sum());
-    rest.1.reserve(pieces.iter().map(|(_, rest)| rest.1.len()).sum());
-    for (own, more) in pieces {
-        motions.extend(own);
-        rest.0.extend(more.0);
-        rest.1.extend(more.1);
+    let pieces: Vec<Moving> = motions.par_chunks_mut(TOGETHER).enumerate().map(some).collect();
+    rest.0.reserve(pieces.iter().map(|(photons, _)| photons.len()).sum());
+    rest.1.reserve(pieces.iter().map(|(_, motions)| motions.len()).sum());
+    for (photons, motions) in pieces {
+        rest.0.extend(photons);
+        rest.1.extend(motions);
     }
     motions
 }

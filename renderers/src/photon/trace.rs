@@ -165,7 +165,8 @@ struct State<C> {
     flux: f64,
     /// Flux relative to the emitted photon's, each spectrum by its mean.
     weight: f64,
-    /// The same as it would be at the d line: what decides where paths of all wavelengths should be the same.
+    /// The same as it would be at the d line: what decides where paths of all wavelengths should be the same. Its own where it is known how the path
+    /// changes: there are no others, then.
     guide: f64,
     product: u32,
     /// The way's length counts for absorption by the interior of this shape.
@@ -183,6 +184,16 @@ struct Share {
     flux: f64,
     weight: f64,
     guide: f64,
+}
+
+/// One of the ways on from where a path was.
+#[derive(Clone, Copy, Debug)]
+struct Way<C> {
+    ray: Ray,
+    product: u32,
+    interior: Option<u32>,
+    change: C,
+    share: Share,
 }
 
 /// What all paths need.
@@ -310,7 +321,7 @@ impl<'s, L: Landing> Walk<'s, L> {
         // A light within glass: the way to the boundary is through its interior.
         let within = !hit.front && matches!(material, Some(Material::Dielectric(_)));
         let interior = within.then_some(hit.shape);
-        let state = State {
+        let mut state = State {
             ray,
             flux,
             weight: 1.0,
@@ -324,7 +335,7 @@ impl<'s, L: Landing> Walk<'s, L> {
         self.account.sent += 1;
         self.account.emitted += start.luminous * material.map_or(0.0, mirrored);
         let inside = if within { way(&state, hit) } else { 0.0 };
-        self.meet(hit, direction, state, [inside, 0.0]);
+        self.meet(hit, direction, &mut state, [inside, 0.0]);
         self.follow();
     }
 
@@ -338,7 +349,7 @@ impl<'s, L: Landing> Walk<'s, L> {
         let hit = prefix.hit();
         let weight = f64::from(prefix.weight);
         let direction = Vec3A::from_array(prefix.direction);
-        let state = State {
+        let mut state = State {
             ray: Ray::new(hit.position, direction),
             flux,
             weight,
@@ -352,12 +363,12 @@ impl<'s, L: Landing> Walk<'s, L> {
         };
         self.account.sent += 1;
         self.account.emitted += weight * self.start.luminous;
-        self.meet(&hit, direction.as_dvec3().normalize_or_zero(), state, [f64::from(prefix.inside), 0.0]);
+        self.meet(&hit, direction.as_dvec3().normalize_or_zero(), &mut state, [f64::from(prefix.inside), 0.0]);
         self.follow();
     }
 
     fn follow(&mut self) {
-        while let Some(state) = self.ways.pop() {
+        while let Some(mut state) = self.ways.pop() {
             self.account.rays += 1;
             let Some(hit) = self.around.scene.world().closest_hit(&state.ray) else {
                 self.account.lost += 1;
@@ -366,19 +377,17 @@ impl<'s, L: Landing> Walk<'s, L> {
             };
             let direction = state.ray.direction.as_dvec3().normalize_or_zero();
             let length = way(&state, &hit);
-            let (change, longer) = state.change.arrived(&hit, direction, length);
-            let state = State { change, ..state };
+            let longer = state.change.arrive(&hit, direction, length);
             // What is left from inside is the medium, whatever was entered before: there may be bodies in bodies.
             if !hit.front && matches!(self.around.material(&hit), Some(Material::Dielectric(_))) {
-                self.meet(&hit, direction, state, [length, longer]);
+                self.meet(&hit, direction, &mut state, [length, longer]);
                 continue;
             }
             let medium = state.interior.and_then(|shape| self.around.materials.get(shape as usize));
-            let state = match medium {
-                Some(Material::Dielectric(medium)) => self.absorbed(state, medium, [length, longer]),
-                _ => state,
-            };
-            self.meet(&hit, direction, state, [0.0; 2]);
+            if let Some(Material::Dielectric(medium)) = medium {
+                self.absorb(&mut state, medium, [length, longer]);
+            }
+            self.meet(&hit, direction, &mut state, [0.0; 2]);
         }
     }
 
@@ -386,43 +395,30 @@ impl<'s, L: Landing> Walk<'s, L> {
         weight * self.start.luminous
     }
 
-    /// The path after a way through a medium, for its length and by how much that changes.
-    fn absorbed(
-        &mut self,
-        state: State<L::Change>,
-        medium: &Dielectric,
-        [distance, longer]: [f64; 2],
-    ) -> State<L::Change> {
-        let Some(evenly) = medium.absorbs_evenly() else { return state };
+    /// What a way through a medium takes from a path, for its length and by how much that changes.
+    fn absorb(&mut self, state: &mut State<L::Change>, medium: &Dielectric, [distance, longer]: [f64; 2]) {
+        let Some(evenly) = medium.absorbs_evenly() else { return };
         let remaining = medium.remaining(distance, self.wavelength.unwrap_or(LINE_D));
-        let at_d = if evenly { remaining } else { medium.remaining(distance, LINE_D) };
+        let at_d = if evenly || L::Change::IS_KNOWN { remaining } else { medium.remaining(distance, LINE_D) };
         self.account.media += self.luminous(state.weight * (1.0 - remaining));
-        let change = match self.wavelength {
-            Some(wavelength) if L::Change::IS_KNOWN => {
-                let own = medium.absorption(wavelength);
-                let by = if evenly { 0.0 } else { slope_of(|wavelength| medium.absorption(wavelength), wavelength) };
-                state.change.brighter(-own * longer - by * distance)
-            }
-            _ => state.change,
-        };
-        State {
-            flux: state.flux * remaining,
-            weight: state.weight * remaining,
-            guide: state.guide * at_d,
-            change,
-            ..state
+        if let Some(wavelength) = self.wavelength.filter(|_| L::Change::IS_KNOWN) {
+            let by = if evenly { 0.0 } else { slope_of(|wavelength| medium.absorption(wavelength), wavelength) };
+            state.change.brighten(-medium.absorption(wavelength) * longer - by * distance);
         }
+        state.flux *= remaining;
+        state.weight *= remaining;
+        state.guide *= at_d;
     }
 
     /// A path where it meets a surface; `inside` is the length of its way through that surface's own interior that hasn't been counted, and
     /// by how much it changes.
-    fn meet(&mut self, hit: &Hit, direction: DVec3, state: State<L::Change>, inside: [f64; 2]) {
+    fn meet(&mut self, hit: &Hit, direction: DVec3, state: &mut State<L::Change>, inside: [f64; 2]) {
         let Some(material) = self.around.material(hit) else {
             self.account.black += self.luminous(state.weight);
             return;
         };
         match material {
-            Material::Diffuse(_) | Material::Ward(_) => self.keep(hit, direction, &state, 1.0),
+            Material::Diffuse(_) | Material::Ward(_) => self.keep(hit, direction, state, 1.0),
             Material::TwoSided(_) => self.account.black += self.luminous(state.weight),
             Material::Mirror(factors) => {
                 let cosine = -direction.dot(receiver(hit).normal);
@@ -431,26 +427,23 @@ impl<'s, L: Landing> Walk<'s, L> {
             Material::Schlick { reflectance, roughness, isotropy } => {
                 let specular = specular_part(*roughness, *isotropy);
                 if state.depth > 0 && specular < 1.0 {
-                    self.keep(hit, direction, &state, 1.0 - specular);
+                    self.keep(hit, direction, state, 1.0 - specular);
                 }
                 if specular > 0.0 {
                     let factor = fresnel::schlick_factor(-direction.dot(receiver(hit).normal));
                     let white = Factor { scale: 1.0, leaf: None };
-                    let part = State {
-                        flux: state.flux * specular,
-                        weight: state.weight * specular,
-                        guide: state.guide * specular,
-                        ..state
-                    };
-                    self.mirror(hit, direction, part, [(*reflectance, 1.0 - factor), (white, factor)]);
+                    state.flux *= specular;
+                    state.weight *= specular;
+                    state.guide *= specular;
+                    self.mirror(hit, direction, state, [(*reflectance, 1.0 - factor), (white, factor)]);
                 }
             }
             Material::Dielectric(dielectric) => {
                 if self.wavelength.is_none() && !dielectric.is_wavelength_free() {
-                    self.wait(hit, direction, &state, inside[0]);
+                    self.wait(hit, direction, state, inside[0]);
                     return;
                 }
-                let state = self.absorbed(state, dielectric, inside);
+                self.absorb(state, dielectric, inside);
                 self.part(hit, direction, state, dielectric);
             }
         }
@@ -507,7 +500,7 @@ impl<'s, L: Landing> Walk<'s, L> {
     }
 
     /// Goes on from a mirror with one of two factors, chosen by their shares.
-    fn mirror(&mut self, hit: &Hit, direction: DVec3, state: State<L::Change>, factors: [(Factor, f64); 2]) {
+    fn mirror(&mut self, hit: &Hit, direction: DVec3, state: &State<L::Change>, factors: [(Factor, f64); 2]) {
         let [first, second] = factors.map(|(factor, share)| factor.scale * share);
         let total = first + second;
         let takes_first = second == 0.0 || {
@@ -522,16 +515,16 @@ impl<'s, L: Landing> Walk<'s, L> {
             self.bent(Share { flux: total, weight: mean, guide: mean }, state.weight, leaving(hit, direction, &ray));
         let product = self.products.times(state.product, factor.leaf);
         let change = state.change.mirrored(self.around.scene.world(), hit, direction);
-        let onward = State { ray, product, change, ..state };
-        self.go_on([Some((onward, share)), None], state);
+        self.go_on([Some(Way { ray, product, interior: state.interior, change, share }), None], state);
     }
 
     /// Goes on from a boundary of transparent media, both ways.
-    fn part(&mut self, hit: &Hit, direction: DVec3, state: State<L::Change>, dielectric: &Dielectric) {
+    fn part(&mut self, hit: &Hit, direction: DVec3, state: &State<L::Change>, dielectric: &Dielectric) {
         let [index, index_at_d, slope] = self.indices.of(hit.shape, dielectric, self.wavelength, L::Change::IS_KNOWN);
         let [mirrored, led] = state.change.parted(self.around.scene.world(), hit, direction, [index, slope]);
         let (reflected, onward) = boundary_of(index, hit, direction);
-        let at_d = if index == index_at_d { reflected } else { reflected_by(index_at_d, hit, direction) };
+        let is_at_d = index == index_at_d || L::Change::IS_KNOWN;
+        let at_d = if is_at_d { reflected } else { reflected_by(index_at_d, hit, direction) };
         let Dielectric { reflectance, transmittance, .. } = dielectric;
         let mut way =
             |factor: Factor, [part, guide]: [f64; 2], (ray, change): (Ray, L::Change), interior: Option<u32>| {
@@ -540,7 +533,7 @@ impl<'s, L: Landing> Walk<'s, L> {
                 let share = Share { flux: part * factor.scale, weight: part * mean, guide: guide * mean };
                 let share = self.bent(share, state.weight, leaving(hit, direction, &ray));
                 let product = self.products.times(state.product, factor.leaf);
-                (State { ray, product, interior, change, ..state }, share)
+                Way { ray, product, interior, change, share }
             };
         let interior = if hit.front { state.interior } else { Some(hit.shape) };
         let mirrored = way(*reflectance, [reflected, at_d], (mirror_ray(hit, direction), mirrored), interior);
@@ -558,10 +551,10 @@ impl<'s, L: Landing> Walk<'s, L> {
     }
 
     /// Follows the ways on from where a path was, each unless roulette or the limit of reflections and refractions ends it.
-    fn go_on(&mut self, ways: [Option<(State<L::Change>, Share)>; 2], from: State<L::Change>) {
+    fn go_on(&mut self, ways: [Option<Way<L::Change>>; 2], from: &State<L::Change>) {
         let mut chance = None;
         for (way, number) in ways.into_iter().zip(0..) {
-            let Some((state, share)) = way else { continue };
+            let Some(Way { ray, product, interior, change, share }) = way else { continue };
             let (weight, guide) = (from.weight * share.weight, from.guide * share.guide);
             if !(weight > 0.0) {
                 continue;
@@ -583,12 +576,15 @@ impl<'s, L: Landing> Walk<'s, L> {
                 }
             }
             self.ways.push(State {
+                ray,
                 flux: from.flux * share.flux / likely,
                 weight: weight / likely,
                 guide: guide / likely,
+                product,
+                interior,
                 depth: from.depth + 1,
                 branch: branch(from.branch, number),
-                ..state
+                change,
             });
         }
     }

@@ -10,10 +10,8 @@ use crate::radiosity::Representation;
 use crate::spectral::{Factor, UniformBins};
 use crate::whitted::{Arrived, Caustics, Dispersion, How};
 
-const SIDE: u8 = 48;
-
-/// How many of some places are lit white, where light would not be slight that is of one third of the waves alone; and how many are lit.
-fn white_places(name: &str, shrink: f32, is_asked: impl Fn(Vec3A) -> bool) -> (u32, u32) {
+/// How many of some places, out of so many in each direction, are lit white, where light would not be slight that is of one third of the waves alone; and how many are lit.
+fn white_places(name: &str, side: u16, shrink: f32, is_asked: impl Fn(Vec3A) -> bool) -> (u32, u32) {
     let stage = Stage::built_in(name);
     let emission = stage.emission(Settings::default());
     let photons: (_, _, &(dyn Fn(u64) + Sync)) = (100_000, 0, &|_| {});
@@ -22,9 +20,8 @@ fn white_places(name: &str, shrink: f32, is_asked: impl Fn(Vec3A) -> bool) -> (u
     // Of passes whose radii shrink, less is taken as white.
     let part = f64::from(shrink) * f64::from(shrink);
     let (mut white, mut lit, mut found) = (0, 0, Arrived::default());
-    for place in 0..u16::from(SIDE) * u16::from(SIDE) {
-        let [x, y] =
-            [place % u16::from(SIDE), place / u16::from(SIDE)].map(|p| 16.0 * (f32::from(p) + 0.5) / f32::from(SIDE));
+    for place in 0..side * side {
+        let [x, y] = [place % side, place / side].map(|p| 16.0 * (f32::from(p) + 0.5) / f32::from(side));
         let Some(hit) = stage.whitted.world().closest_hit(&stage.whitted.camera().ray(x, y)) else { continue };
         let mut looked = |slight: f64| maps.dispersed(&hit, How { least: 0.0, alike: true, slight }, None, &mut found);
         assert!(!matches!(looked(0.0), Dispersion::Slight(_)));
@@ -74,11 +71,11 @@ fn luminances_are_those_of_rows() {
 #[test]
 fn light_of_one_colour_is_not_slight() {
     // The spectrum on the wall, without its upper end, which overlaps itself.
-    let (white, lit) = white_places("prism", 1.0, |position| position.y < -6.9 && position.z < 1.7);
+    let (white, lit) = white_places("prism", 48, 1.0, |position| position.y < -6.9 && position.z < 1.7);
     assert!(lit > 20 && white <= 1, "{white} of {lit}");
     // Few places have as many photons within smaller radii.
-    for (shrink, fewest) in [(1.0, 500), (0.5, 20)] {
-        let (white, lit) = white_places("cornell-box-spheres", shrink, |_| true);
+    for (shrink, fewest) in [(1.0, 800), (0.5, 25)] {
+        let (white, lit) = white_places("cornell-box-spheres", 64, shrink, |_| true);
         assert!(lit > fewest && 20 * (lit - white) < lit, "{shrink}: {white} of {lit}");
     }
 }

@@ -30,7 +30,9 @@ pub(super) struct Pixel<'p, 'a> {
     tracer: &'p mut dyn Tracer,
     products: &'p mut Products,
     /// Light that was traced for the middle wavelengths of intervals.
-    traced: ByNode<Radiance>,
+    traced: ByNode<Rc<Radiance>>,
+    /// That of the whole domain, as its halves have it.
+    wholes: ByNode<Rc<Radiance>>,
     /// The same with that of the halves.
     threes: ByNode<Rc<Three>>,
     /// Whether light for the parts of an interval can be interpolated between that of itself and its halves.
@@ -112,6 +114,7 @@ impl<'p, 'a> Pixel<'p, 'a> {
             tracer,
             products,
             traced: ByNode::default(),
+            wholes: ByNode::default(),
             threes: ByNode::default(),
             is_steady: ByNode::default(),
             path_radii: ByNode::default(),
@@ -120,36 +123,36 @@ impl<'p, 'a> Pixel<'p, 'a> {
     }
 
     /// Deferred light traced for the middle wavelength of an interval, once.
-    fn trace(&mut self, deferred: &Group, node: Node) -> &Radiance {
+    fn trace(&mut self, deferred: &Group, node: Node) -> Rc<Radiance> {
         let (tracer, shared) = (&mut self.tracer, self.shared);
-        self.traced.entry(key(deferred, node)).or_insert_with(|| {
+        let traced = self.traced.entry(key(deferred, node)).or_insert_with(|| {
             let mut sum = Radiance::default();
             for (deferred, scale) in &deferred.parts {
                 for (monomial, weight) in tracer.trace(*deferred, shared.band(node)).terms() {
                     sum.add(*monomial, scale * weight);
                 }
             }
-            sum
-        })
-    }
-
-    /// A sum of traced light.
-    fn combined(&mut self, deferred: &Group, parts: &[(Node, f64)]) -> Radiance {
-        let mut sum = Radiance::default();
-        for (node, share) in parts {
-            for (monomial, weight) in self.trace(deferred, *node).terms() {
-                sum.add(*monomial, share * weight);
-            }
-        }
-        sum
+            sum.into()
+        });
+        Rc::clone(traced)
     }
 
     /// The light of the whole domain: that of its halves, by their parts of the eye's sensitivity.
-    fn whole(&mut self, deferred: &Group) -> Radiance {
+    fn whole(&mut self, deferred: &Group) -> Rc<Radiance> {
+        let key = key(deferred, Node::ROOT);
+        if let Some(known) = self.wholes.get(&key) {
+            return Rc::clone(known);
+        }
         // What is found for all waves may do for some of them.
         self.trace(deferred, Node::ROOT);
-        let parts = halves(Node::ROOT).map(|half| (half, self.share(half)));
-        self.combined(deferred, &parts)
+        let mut sum = Radiance::default();
+        for half in halves(Node::ROOT) {
+            let share = self.share(half);
+            for (monomial, weight) in self.trace(deferred, half).terms() {
+                sum.add(*monomial, share * weight);
+            }
+        }
+        Rc::clone(self.wholes.entry(key).or_insert(sum.into()))
     }
 
     /// The part of the eye's sensitivity that an interval has.
@@ -185,11 +188,11 @@ impl<'p, 'a> Pixel<'p, 'a> {
             return self.interpolated(deferred, wider, node);
         }
         let before = match node.parent() {
-            Some(parent) if parent != Node::ROOT => self.trace(deferred, parent).clone(),
+            Some(parent) if parent != Node::ROOT => self.trace(deferred, parent),
             _ => self.whole(deferred),
         };
         let estimate = self.difference(deferred, &before, node);
-        let own = self.trace(deferred, node).clone();
+        let own = self.trace(deferred, node);
         (self.light(&own, node), estimate)
     }
 
@@ -201,8 +204,8 @@ impl<'p, 'a> Pixel<'p, 'a> {
 
     /// How far the light traced for an interval is from other light there.
     fn difference(&mut self, deferred: &Group, other: &Radiance, node: Node) -> [f64; 3] {
-        let own = self.trace(deferred, node).clone();
-        let [own, other] = [&own, other].map(|light| self.colour(light, node));
+        let own = self.trace(deferred, node);
+        let [own, other] = [&*own, other].map(|light| self.colour(light, node));
         core::array::from_fn(|a| (own[a] - other[a]).abs())
     }
 
