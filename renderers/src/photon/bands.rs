@@ -8,10 +8,10 @@ use std::sync::{Mutex, OnceLock};
 
 use super::curves::{Curves, Source};
 use super::footprints::{Footprint, Footprints};
+use super::indices::place_of;
 use super::lines;
 use super::map::Region;
 use super::motion::{Motion, Moving};
-use super::trace::place_of;
 use super::{Drifting, Emission, Photon, PhotonMap, Spectra};
 use crate::spectral::Band;
 

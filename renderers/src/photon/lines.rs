@@ -5,9 +5,9 @@
 //! at once whether that will do: a prism beside a glass ball that most photons meet has each of its photons on one line, too.
 
 use super::curves::Misfit;
+use super::indices::place_of;
 use super::maps::{NEAR, WHOLE};
 use super::motion::{self, Line, Motion, Moving};
-use super::trace::place_of;
 use super::waves::Waves;
 use super::{Density, Drifting, Emission, Emitted, Photon, PhotonMap, Scattered};
 

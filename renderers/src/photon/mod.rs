@@ -18,6 +18,7 @@ mod extent;
 mod footprints;
 mod gather;
 mod global;
+mod indices;
 mod kernel;
 mod lines;
 mod map;

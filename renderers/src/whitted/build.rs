@@ -1,12 +1,12 @@
-//! From a scene's data to what the tracer needs.
+//! From a scene's data to what the tracer needs, and what others may ask of that.
 
 use super::{GlossyLight, RenderError, Settings, Surface, Whitted};
 use crate::direct::{self, Blockers, Cells, Light, Source};
 use crate::frame::Parametrisation;
-use crate::geometry::{self, Camera};
+use crate::geometry::{self, Camera, Hit, World};
 use crate::material::Material;
 use crate::scene::{Emitter, FovAxis, Geometry, Integrator, Scene, Shape};
-use crate::spectral::{Palette, Role};
+use crate::spectral::{Factor, Palette, Role};
 
 impl Whitted {
     /// Makes a scene ready; its spectra are added to the palette.
@@ -117,5 +117,42 @@ fn area_source(shape: &Shape, primitive: u32) -> Result<Source, RenderError> {
             "{}: the Whitted renderer has area lights on rectangles, disks and spheres seen from outside alone",
             shape.label
         ))),
+    }
+}
+
+impl Whitted {
+    /// All surfaces, for rays.
+    pub(crate) const fn world(&self) -> &World {
+        &self.world
+    }
+
+    /// What the side of a shape that was hit does with light; `None` where it is black.
+    pub(crate) fn material(&self, hit: &Hit) -> Option<&Material> {
+        self.surfaces.get(hit.shape as usize)?.material.side(hit.front)
+    }
+
+    /// The materials of all shapes.
+    pub(crate) fn materials(&self) -> impl Iterator<Item = &Material> {
+        self.surfaces.iter().map(|surface| &surface.material)
+    }
+
+    /// Where the scene is seen from.
+    pub(crate) const fn camera(&self) -> &Camera {
+        &self.camera
+    }
+
+    /// The radiances that stand for light between surfaces.
+    pub(crate) fn ambient(&self) -> &[Factor] {
+        &self.ambient
+    }
+
+    /// All lights.
+    pub(crate) fn lights(&self) -> &[Light] {
+        &self.lights
+    }
+
+    /// The spectra of the lights.
+    pub(crate) fn light_factors(&self) -> impl Iterator<Item = Factor> {
+        self.lights.iter().map(Light::factor)
     }
 }

@@ -554,43 +554,6 @@ impl<'s> Worker<'s> {
     }
 }
 
-impl Whitted {
-    /// All surfaces, for rays.
-    pub(crate) const fn world(&self) -> &World {
-        &self.world
-    }
-
-    /// What the side of a shape that was hit does with light; `None` where it is black.
-    pub(crate) fn material(&self, hit: &Hit) -> Option<&Material> {
-        self.surfaces.get(hit.shape as usize)?.material.side(hit.front)
-    }
-
-    /// The materials of all shapes.
-    pub(crate) fn materials(&self) -> impl Iterator<Item = &Material> {
-        self.surfaces.iter().map(|surface| &surface.material)
-    }
-
-    /// Where the scene is seen from.
-    pub(crate) const fn camera(&self) -> &Camera {
-        &self.camera
-    }
-
-    /// The radiances that stand for light between surfaces.
-    pub(crate) fn ambient(&self) -> &[Factor] {
-        &self.ambient
-    }
-
-    /// All lights.
-    pub(crate) fn lights(&self) -> &[Light] {
-        &self.lights
-    }
-
-    /// The spectra of the lights.
-    pub(crate) fn light_factors(&self) -> impl Iterator<Item = Factor> {
-        self.lights.iter().map(Light::factor)
-    }
-}
-
 impl Worker<'_> {
     /// Irradiance from each light, over its radiance (over its intensity or irradiance for lights without area).
     pub(crate) fn direct(&mut self, receiver: &Receiver) -> Vec<f64> {

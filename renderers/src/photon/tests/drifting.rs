@@ -7,7 +7,7 @@ use glam::DVec3;
 
 use super::paths::room;
 use super::{Stage, emit, glass, point, settings, surroundings};
-use crate::photon::trace::{place_of, wavelength_at};
+use crate::photon::indices::{place_of, wavelength_at};
 use crate::photon::waves::Waves;
 use crate::photon::{Bundle, Density, Drifting, Emission, Maps, Rethrow, Scattered, lines};
 use crate::scene::Mesh;
