@@ -101,3 +101,50 @@ impl Tracer for Worker<'_> {
         self.rows.chunks(indirect.width().max(1)).nth(gathered.0 as usize).unwrap_or_default()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::geometry::Hit;
+    use crate::geometry::sampling::SobolSequence;
+    use crate::scene::builtin;
+    use crate::spectral::{Band, FactorOrder, Palette, Radiance, Tracer};
+    use crate::whitted::{Whitted, Worker};
+
+    const SIDE: u16 = 24;
+
+    /// Where light between surfaces is asked for, if the sphere is of a glass; deferred light is traced at these wavelengths, too.
+    fn noted(glass: &str, wavelengths: &[f64]) -> Vec<Hit> {
+        let scene = builtin::load("cornell-box-glass", &[("glass".to_owned(), glass.to_owned())]).unwrap();
+        let mut palette = Palette::default();
+        let whitted = Whitted::new(&scene, [u32::from(SIDE); 2], &mut palette).unwrap();
+        let mut worker = Worker::new(&whitted, FactorOrder::Free).noting();
+        for pixel in 0..SIDE * SIDE {
+            let [x, y] = [pixel % SIDE, pixel / SIDE];
+            let mut radiance = Radiance::default();
+            worker.start_pixel(SobolSequence::for_pixel(x.into(), y.into(), 0));
+            worker.sample(f64::from(x) + 0.5, f64::from(y) + 0.5, 1.0, &mut radiance);
+            for (deferred, _, _) in radiance.deferred() {
+                worker.trace_gathered(*deferred);
+                wavelengths.iter().for_each(|wavelength| drop(worker.trace(*deferred, Band::single(*wavelength))));
+            }
+        }
+        worker.into_noted()
+    }
+
+    /// What is seen behind glass is asked for once, as behind glass of the same index at all wavelengths, however often it is traced.
+    #[test]
+    fn light_between_surfaces_is_asked_for_once() {
+        let [still, once, often] = [noted("1.5168", &[]), noted("N-BK7", &[]), noted("N-BK7", &[450.0, 587.5618])];
+        assert!(still.len() > usize::from(SIDE * SIDE), "{}", still.len());
+        assert!(
+            once.len() == still.len() && often.len() == still.len(),
+            "{} {} {}",
+            still.len(),
+            once.len(),
+            often.len()
+        );
+        for (own, other) in still.iter().zip(&often) {
+            assert!(own.shape == other.shape && own.position.distance(other.position) <= 1e-3, "{own:?} {other:?}");
+        }
+    }
+}
