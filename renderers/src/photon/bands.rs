@@ -8,12 +8,12 @@ use std::sync::{Mutex, OnceLock};
 
 use super::curves::{Curves, Source};
 use super::footprints::{Footprint, Footprints};
-use super::indices::place_of;
 use super::lines;
 use super::map::Region;
 use super::motion::{Motion, Moving};
+use super::ways::Ways;
 use super::{Drifting, Emission, Photon, PhotonMap, Spectra};
-use crate::spectral::Band;
+use crate::spectral::{Band, place_of};
 
 /// The photons of one band, for reports.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -39,12 +39,12 @@ pub(super) struct Thrown {
     /// How far they count where they are in the map.
     pub(super) footprints: Footprints,
     /// How photons move with the wavelength, if that is known: those of the map, and of another the parts of their ways where these have no photon.
-    moving: Option<Box<Ways>>,
+    moving: Option<Box<Motions>>,
 }
 
 /// How the photons of a map move (until it is said how far they count), and others that do.
 #[derive(Debug)]
-struct Ways {
+struct Motions {
     motions: Vec<Motion>,
     others: PhotonMap,
     of_others: Vec<Motion>,
@@ -111,7 +111,7 @@ impl Thrown {
         let others = PhotonMap::new(rest.0);
         let of_others = others.origins().iter().filter_map(|origin| rest.1.get(*origin as usize).copied()).collect();
         let footprints = Default::default();
-        self.moving = Some(Box::new(Ways { motions, others, of_others, footprints, thirds, steps }));
+        self.moving = Some(Box::new(Motions { motions, others, of_others, footprints, thirds, steps }));
     }
 
     /// The same, with how far photons count: for each leaf of the map. Parts of ways count as far as the photons do that are there; where there are
@@ -119,7 +119,7 @@ impl Thrown {
     pub(super) fn spread(self, radii: Vec<Footprint>, alone: Footprint) -> Self {
         let Self { map, moving, .. } = &self;
         let still = || Footprints::new(map, radii.clone(), None);
-        let Some(Ways { motions, others, of_others, steps, .. }) = moving.as_deref() else {
+        let Some(Motions { motions, others, of_others, steps, .. }) = moving.as_deref() else {
             return Self { footprints: still(), ..self };
         };
         let (footprints, own) = rayon::join(still, || Footprints::new(map, radii.clone(), Some((motions, *steps))));
@@ -129,8 +129,8 @@ impl Thrown {
         };
         let radii = others.leaves_photons().map(|numbers| radius(numbers).unwrap_or(alone)).collect();
         let rest = Footprints::new(others, radii, Some((of_others, *steps)));
-        let known = |moving: Box<Ways>| {
-            Box::new(Ways { motions: Vec::new(), of_others: Vec::new(), footprints: [own, rest], ..*moving })
+        let known = |moving: Box<Motions>| {
+            Box::new(Motions { motions: Vec::new(), of_others: Vec::new(), footprints: [own, rest], ..*moving })
         };
         Self { footprints, moving: self.moving.map(known), ..self }
     }
@@ -158,12 +158,7 @@ impl Thrown {
 
     /// Calls with photons that may count in a region of a surface at some wavelength, of which some are in the order of the leaf, and how far they
     /// count.
-    pub(super) fn passing(
-        &self,
-        surface: u32,
-        region: &Region,
-        mut call: impl FnMut(&super::ways::Ways, &[Photon], Footprint),
-    ) {
+    pub(super) fn passing(&self, surface: u32, region: &Region, mut call: impl FnMut(&Ways, &[Photon], Footprint)) {
         let Some(moving) = &self.moving else { return };
         for (map, footprints) in [&self.map, &moving.others].into_iter().zip(&moving.footprints) {
             footprints.passing(map, surface, region, |ways, first, footprint| {
@@ -182,7 +177,7 @@ impl Thrown {
     }
 }
 
-impl Ways {
+impl Motions {
     fn bytes(&self) -> usize {
         let motions = size_of_val(self.motions.as_slice()) + size_of_val(self.of_others.as_slice());
         let footprints: usize = self.footprints.iter().map(Footprints::bytes).sum();

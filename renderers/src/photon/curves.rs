@@ -13,6 +13,7 @@ use rayon::prelude::*;
 
 use super::motion::{self, Motion, Moving};
 use super::{Photon, Scattered};
+use crate::spectral::measure;
 
 /// Photons at wavelengths between keys.
 #[derive(Clone, Debug, Default)]
@@ -246,13 +247,12 @@ impl Stretch {
 
 /// Where a wavelength is between two others, by 1/λ²: from 0 to 1.
 fn between([first, last]: [f64; 2], wavelength: f64) -> f64 {
-    let measure = |w: f64| 1.0 / (w * w);
     ((measure(wavelength) - measure(first)) / (measure(last) - measure(first))).clamp(0.0, 1.0)
 }
 
 /// The wavelength in the middle of two others, by the same measure.
 fn middle(first: f64, last: f64) -> f64 {
-    (2.0 / (1.0 / (first * first) + 1.0 / (last * last))).sqrt()
+    (2.0 / (measure(first) + measure(last))).sqrt()
 }
 
 impl Ends {
@@ -395,8 +395,8 @@ pub(crate) fn of_nine_in_ten(distances: &mut [f32]) -> f32 {
     if distances.is_empty() { 0.0 } else { *distances.select_nth_unstable_by(place, f32::total_cmp).1 }
 }
 
-/// The share of flux that may correspond to nothing in the middle of a stretch, how much the rest may differ, and how often a stretch is
-/// halved at most.
+/// The share of flux that may correspond to nothing where photons are compared with those that were thrown, how much the rest may differ, and how often
+/// a stretch between keys is halved at most.
 const STRANGE: f32 = 0.02;
 const CHANGE: f32 = 0.01;
 const HALVINGS: u32 = 4;

@@ -1,9 +1,9 @@
 //! Indices of refraction as photons ask for them, and how they change with the wavelength.
 
 use spectral_core::dispersion::LINE_D;
-use spectral_core::interval::{FIRST_WAVELENGTH, LAST_WAVELENGTH};
 
 use crate::material::Dielectric;
+use crate::spectral::{place_of, wavelength_at};
 
 /// Relative indices of refraction by shapes, so far as they have been asked for.
 #[derive(Debug, Default)]
@@ -67,18 +67,6 @@ impl Indices {
         };
         [known.index, known.at_d, slope]
     }
-}
-
-/// Where a wavelength in nm is between the first and the last visible one, from 0 to 1: by 1/λ², as Cauchy's index is.
-pub(super) fn place_of(wavelength: f64) -> f64 {
-    let [first, own, last] = [FIRST_WAVELENGTH, wavelength, LAST_WAVELENGTH].map(|w| 1.0 / (w * w));
-    (own - first) / (last - first)
-}
-
-/// The wavelength in nm at a place.
-pub(super) fn wavelength_at(place: f64) -> f64 {
-    let [first, last] = [FIRST_WAVELENGTH, LAST_WAVELENGTH].map(|w| 1.0 / (w * w));
-    1.0 / (first + place * (last - first)).sqrt()
 }
 
 /// The derivative by [`place_of`] of what depends on the wavelength, by a difference about one in nm.

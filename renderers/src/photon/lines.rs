@@ -5,11 +5,11 @@
 //! at once whether that will do: a prism beside a glass ball that most photons meet has each of its photons on one line, too.
 
 use super::curves::Misfit;
-use super::indices::place_of;
 use super::maps::{NEAR, WHOLE};
 use super::motion::{self, Line, Motion, Moving};
 use super::waves::Waves;
 use super::{Density, Drifting, Emission, Emitted, Photon, PhotonMap, Scattered};
+use crate::spectral::place_of;
 
 /// The photons of pieces, and how they move.
 pub(super) fn parted(pieces: Vec<Vec<Drifting>>) -> (Vec<Photon>, Vec<Line>) {

@@ -7,7 +7,7 @@ use spectral_core::fresnel;
 
 use super::account::Account;
 use super::differential::{Change, Differential};
-use super::indices::{Indices, place_of, slope_of};
+use super::indices::{Indices, slope_of};
 use super::motion::Line;
 use super::points::{Points, Purpose};
 use super::products::Products;
@@ -16,7 +16,7 @@ use crate::direct::single;
 use crate::geometry::sampling::combine;
 use crate::geometry::{Hit, NO_PRIMITIVE, Ray};
 use crate::material::{Dielectric, Material, mirror_factors};
-use crate::spectral::Factor;
+use crate::spectral::{Factor, place_of};
 use crate::whitted::{Whitted, boundary_of, mirror_ray, receiver, reflected_by};
 
 /// Where the likelihood to go on that is the same at all wavelengths is less than this part of what a path's weight asks for, the path's

@@ -77,6 +77,18 @@ pub(crate) fn measure(wavelength: f64) -> f64 {
     1.0 / (wavelength * wavelength)
 }
 
+/// Where a wavelength in nm is between the first visible one (0) and the last (1), by that measure.
+pub(crate) fn place_of(wavelength: f64) -> f64 {
+    let [first, last] = [FIRST_WAVELENGTH, LAST_WAVELENGTH].map(measure);
+    (measure(wavelength) - first) / (last - first)
+}
+
+/// The wavelength in nm at such a place.
+pub(crate) fn wavelength_at(place: f64) -> f64 {
+    let [first, last] = [FIRST_WAVELENGTH, LAST_WAVELENGTH].map(measure);
+    (first + (last - first) * place).sqrt().recip()
+}
+
 #[cfg(test)]
 mod tests {
     use super::{Hat, Lines, STEPS, hats, measure};

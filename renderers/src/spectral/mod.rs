@@ -17,7 +17,7 @@ mod uniform;
 pub(crate) use components::MEAN_WAVELENGTH;
 pub use components::{ComponentResolver, Components};
 pub use gathered::{RowColour, WithGathered};
-pub(crate) use hats::measure;
+pub(crate) use hats::{measure, place_of, wavelength_at};
 pub use interval::{IntervalMemory, IntervalSettings, Intervals, SharedIntervals};
 pub use palette::{Factor, Palette, Role, Tabulated};
 pub use radiance::{Deferred, FactorOrder, Gathered, Monomial, Monomials, Radiance};

@@ -7,7 +7,7 @@ use std::sync::LazyLock;
 use spectral_core::Observer;
 use spectral_core::interval::{FIRST_WAVELENGTH, LAST_WAVELENGTH};
 
-use crate::spectral::{Band, Monomial, Radiance, measure};
+use crate::spectral::{Band, Monomial, Radiance, place_of, wavelength_at};
 
 /// What a surface reflects of light whose way there depends on the wavelength, where it is known at all of them: between neighbouring ones it changes in
 /// proportion to 1/λ².
@@ -18,18 +18,6 @@ pub(super) struct Curve {
     pub(super) monomials: Vec<Monomial>,
     /// For each product a weight at each wavelength, one after the other.
     pub(super) weights: Vec<f64>,
-}
-
-/// Where a wavelength is between the first visible one (0) and the last (1), by 1/λ².
-fn between(wavelength: f64) -> f64 {
-    let [first, last] = [FIRST_WAVELENGTH, LAST_WAVELENGTH].map(measure);
-    (measure(wavelength) - first) / (last - first)
-}
-
-/// The wavelength in nm at such a place.
-fn wavelength_at(place: f64) -> f64 {
-    let [first, last] = [FIRST_WAVELENGTH, LAST_WAVELENGTH].map(measure);
-    (first + (last - first) * place).sqrt().recip()
 }
 
 /// The eye's sensitivity x̄ + ȳ + z̄ at whole nm from the first visible wavelength on, and the integrals up to there of it and of it times the place
@@ -54,7 +42,7 @@ impl Sensitivity {
     /// Both integrals between two sensitivities and their wavelengths in nm, by Simpson's rule.
     fn part([(a, from), (b, to)]: [(f64, f64); 2]) -> [f64; 2] {
         let (width, middle) = (to - from, f64::midpoint(from, to));
-        let moment = a * between(from) + 2.0 * (a + b) * between(middle) + b * between(to);
+        let moment = a * place_of(from) + 2.0 * (a + b) * place_of(middle) + b * place_of(to);
         [width * f64::midpoint(a, b), width * moment / 6.0]
     }
 
@@ -82,7 +70,7 @@ fn step_at(place: f64, steps: u16) -> u16 {
 pub(crate) fn nodes_of(band: Band, steps: u16) -> [u16; 2] {
     let [from, to] = band.limits;
     let [first, last] = if to > from { [from, to] } else { [band.wavelength; 2] };
-    let [first, last] = [first, last].map(|wavelength| step_at(between(wavelength), steps));
+    let [first, last] = [first, last].map(|wavelength| step_at(place_of(wavelength), steps));
     [first, last + 2]
 }
 
@@ -110,12 +98,12 @@ fn parts(band: Band, steps: u16) -> Vec<(usize, [f64; 2])> {
     #[allow(clippy::cast_precision_loss, reason = "the number of a step")]
     let number = |step: usize| step as f64;
     if !(to > from && total > 0.0) {
-        let place = between(band.wavelength);
+        let place = place_of(band.wavelength);
         let step = step_at(place);
         let t = place * steps - number(step);
         return vec![(step, [1.0 - t, t])];
     }
-    let [first, last] = [from, to].map(|limit| step_at(between(limit)));
+    let [first, last] = [from, to].map(|limit| step_at(place_of(limit)));
     let mut known = before;
     let share = |step: usize| {
         let end = if step == last { after } else { SENSITIVITY.up_to(wavelength_at(number(step + 1) / steps)) };
@@ -154,7 +142,7 @@ impl Curve {
 mod tests {
     use spectral_core::Observer;
 
-    use super::{BandParts, Curve, between, nodes_of, wavelength_at};
+    use super::{BandParts, Curve, nodes_of, place_of, wavelength_at};
     use crate::spectral::{Band, Monomial, measure};
 
     /// A curve through the light at nodes, of which there is one more than steps.
@@ -188,7 +176,7 @@ mod tests {
     /// A band has the same light where only what it asks for is known.
     #[test]
     fn bands_ask_for_all_that_they_need() {
-        let light = |wavelength: f64| 2.0 + (9.0 * between(wavelength)).sin();
+        let light = |wavelength: f64| 2.0 + (9.0 * place_of(wavelength)).sin();
         for steps in [1, 2, 4, 32, 128] {
             let whole = curve(steps, light);
             for (from, to) in
@@ -209,7 +197,7 @@ mod tests {
     #[test]
     fn bands_have_their_mean() {
         let light = |wavelength: f64| 2.0 + 3e5 * measure(wavelength);
-        let tent = |wavelength: f64| (1.0 - 9.0 * (between(wavelength) - 4.0 / 9.0).abs()).max(0.0);
+        let tent = |wavelength: f64| (1.0 - 9.0 * (place_of(wavelength) - 4.0 / 9.0).abs()).max(0.0);
         for steps in [1, 2, 7, 9, 128] {
             let (line, hat) = (curve(steps, light), curve(steps, tent));
             for wavelength in [380.0, 381.0, 450.0, 500.0, 550.0, 700.0, 779.0, 780.0] {

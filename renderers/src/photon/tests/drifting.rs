@@ -7,10 +7,10 @@ use glam::DVec3;
 
 use super::paths::room;
 use super::{Stage, emit, glass, point, settings, surroundings};
-use crate::photon::indices::{place_of, wavelength_at};
 use crate::photon::waves::Waves;
 use crate::photon::{Bundle, Density, Drifting, Emission, Maps, Rethrow, Scattered, lines};
 use crate::scene::Mesh;
+use crate::spectral::{place_of, wavelength_at};
 
 /// How far derivatives may be off, of nineteen in twenty photons and of half of them: relative to themselves, and to what all have on average.
 const MOST_OFF: [f64; 2] = [0.005, 0.0005];
